@@ -196,7 +196,7 @@ def create_app(
         sign_out.router,
         pages.router,  # last: it has a route for any other name
     )
-    # The routes as they are: of an included router FastAPI makes all models once more, at its first request.
+    # The routes as they are: FastAPI makes all models of an included router again, at its first request.
     routes = [route for router in routers for route in router.routes]
     app.router.routes += routes
     _state_places(routes)

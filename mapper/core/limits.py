@@ -16,7 +16,7 @@ class Limits:
     """
 
     max_unpacked_bytes: int = 1 << 30  #: bytes that a file's compressed data may expand to, whatever its size,
-    max_expansion: int = 100  #: and more of them for a file that is not so many times smaller
+    max_expansion: int = 100  #: more bytes are allowed for a file that expands by less than this factor
     max_line_bytes: int = 1 << 20  #: bytes of one line of a text log
     max_lines: int = 5_000_000  #: lines of a text log: a day of odometry at 50 Hz
     max_chunk_bytes: int = 1 << 28  #: bytes of one record of a bag, and of what a compressed one expands to

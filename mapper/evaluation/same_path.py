@@ -17,7 +17,7 @@ _WHEELS = re.compile("odom|wheel", re.IGNORECASE)  #: in the names of poses by w
 
 
 def is_same_path(first: Float64Array, second: Float64Array) -> bool:
-    """Return whether poses (n, 3) are those of another trajectory at the same times, but for where both begin."""
+    """Return whether poses (n, 3) are those of another trajectory at the same times, up to where both begin."""
     if first.shape != second.shape:
         return False
     return all(_are_close(first[::step], second[::step]) for step in (1 + len(first) // FEW, 1))

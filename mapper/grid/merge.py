@@ -17,7 +17,7 @@ def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
 
     Evidence from different scans is taken to be independent given the map, so its log-odds add (Thrun, Burgard & Fox,
     Probabilistic Robotics, sections 4.2 and 9.2); each of the two started from ℓ₀, so one ℓ₀ is taken away. Partial
-    maps of a log, merged, equal the map made in one go when the clamp is off, but for the rounding of float32 additions
+    maps of a log, merged, equal the map made in one go when the clamp is off, up to the rounding of float32 additions
     in another order. With the clamp they may not: a cell that one part held at its limit has lost the evidence
     beyond it, and the sum may be outside the limits, which no single map exceeds.
 

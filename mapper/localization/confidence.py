@@ -77,7 +77,7 @@ class Confidence:
             self.doubt()
 
     def rule_out(self, scans: int) -> None:
-        """Take note of an alternative that was ruled out by so many scans."""
+        """Take note of an alternative that was ruled out by ``scans`` scans."""
         if scans <= SOON:
             self._ruled_out += 1
 

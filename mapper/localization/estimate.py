@@ -29,7 +29,7 @@ class Estimate:
     before, the covariance is that of all particles around that pose. ``share`` is the cluster's weight of 1, ``fit``
     how well the last scan fits: 1 where each end point is on a wall. ``entropy`` is that of the histogram of poses in
     bins of 0.5 m and 10°, bits. ``is_updated`` tells whether the last scan was used. ``is_sure`` tells whether other
-    places were ruled out (:mod:`mapper.localization.confidence`); ``contradicted`` is the share of readings of late, 0
+    places were ruled out (:mod:`mapper.localization.confidence`); ``contradicted`` is the share of recent readings, 0
     to 1, that go on behind walls of the map.
     """
 

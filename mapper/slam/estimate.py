@@ -17,7 +17,7 @@ MS_PER_SCAN, MS_PER_BEAM = 0.4, 0.004  #: of processor time: measured on 1 to 3 
 MS_PER_ATTEMPT = 2.0  #: to find a loop, measured on simulated drives of 4 and 8 km
 #: times n^1.5 of the scans, to optimise the graph again and again: so its time grew from 4 to 13 thousand scans.
 SECONDS_OF_GRAPH = 2e-5
-MANY_ATTEMPTS = 2_000  #: from which on there are so many loops; with fewer attempts it takes less
+MANY_ATTEMPTS = 2_000  #: attempted loops: with fewer, optimising takes less
 BYTES_PER_BEAM = 17  #: a point, a normal and its kind
 BYTES_PER_SCAN = 12_000  #: poses, edges, pairs and their share of the factor
 FIXED_BYTES = 150_000_000  #: fields of submaps

@@ -41,7 +41,7 @@ POINTS = 720  #: of a scan and those before it that are paired
 SEARCHED = 90  #: points of a scan that are looked up in a search
 SOON = 0.3  #: seconds, until which the motion before predicts a scan well if the last one fitted
 LONGEST = 1.0  #: seconds: the motion goes on as before for so long at most
-FARTHEST = np.array([3.0, 3.0, 1.5])  #: metres, metres, radians: and not farther, for stamps may be wrong
+FARTHEST = np.array([3.0, 3.0, 1.5])  #: metres, metres, radians: and not farther, as stamps may be wrong
 MOST_SPREAD = np.array([10.0, 10.0, np.pi])  #: metres, metres, radians: no motion is less certain
 LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignment failed
 
@@ -204,7 +204,7 @@ class FrontEnd:
             spread = np.array([0.03 + 0.15 * length] * 2 + [0.02 + 0.15 * length + 0.1 * turned])
         spread = np.minimum(spread, MOST_SPREAD)
         # Where the prediction leads to a good alignment nothing is searched: in a corridor, along which every place
-        # fits as well, the prediction counts. Without odometry it is too poor for that, but for a scan soon after some
+        # fits as well, the prediction counts. Without odometry it is too poor for that, except soon after a scan
         # that fitted well.
         if not has_odometry and not is_steady:
             enough, best = RELIABLE, self._searched(i, predicted, spread, window, turn_window)

@@ -17,7 +17,7 @@ from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.matching_rules import LOOP_ITERATIONS, information_of
 from mapper.slam.scan_store import ScanStore
 
-#: metres, metres, radians: coarser than in the front end, for windows are wide; the alignment begins within 0.4 m
+#: metres, metres, radians: coarser than in the front end, as windows are wide; the alignment begins within 0.4 m
 RESOLUTION, SIGMA, TURN = 0.1, 0.12, 0.025
 LEVELS = 4  #: of branch and bound: it begins with squares of 16 cells, 1.6 m
 SCANS = 6  #: of the place that a found pose is aligned with

@@ -16,8 +16,8 @@ from mapper.slam.way_test import AROUND, EVERY, OTHERS, spread
 #: farther apart were taken when the robot came back, also around a corner (√2 · AROUND of the way).
 APART = 6.0
 MOST_SCANS = 2_000  #: that are compared with others, so that the time grows with the number of scans
-#: The share of points that contradict scans far away on the way, in those that contradict scans near on it, from which
-#: on a map is inconsistent; and what is added to it, for the scans near may agree perfectly.
+#: A map is inconsistent where the share of points that contradict scans from distant parts of the path is above
+#: ``RATIO`` times the share that contradict scans from near parts, plus ``MORE``: near scans may agree perfectly.
 RATIO, MORE = 2.5, 0.01
 LEAST = 10  #: points that have to contradict: where the robot hardly came back, one of a few dozen is a large share
 

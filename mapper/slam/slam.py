@@ -25,7 +25,7 @@ from mapper.slam.scan_store import ScanStore
 MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this makes the graph be optimised at once
 MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
 LARGE = 4_000  #: nodes: a graph with more of them is optimised more rarely, so that the time for it grows with n log n:
-RARELY = 50  #: after a share of one in so many of those above
+RARELY = 50  #: after each 1 / RARELY of those above
 FAR_OFF, FAR_TURNED = 0.5, 0.1  #: metres, radians: a loop off by more has at once the newest poses optimised
 NEWEST = 500  #: nodes before the last time that move then: the loop's error is distributed over them and those since
 SETTLING = 6  #: iterations after a loop

@@ -21,7 +21,7 @@ class Question:
     """A question and what was answered, by the number of the follower.
 
     ``newest`` is the greatest number of a follower when it was asked. Numbers are given in turn, so with
-    ``joined_only`` only answers up to it are counted: who joins once more, as somebody else, has no second answer.
+    ``joined_only`` only answers up to it are counted: who joins again as somebody else has no second answer.
 
     Raises :class:`ConfigError` for a question that cannot be asked.
     """

@@ -45,7 +45,7 @@ class Elsewhere(Protocol):
         """Return how many they have: in all, and of a network."""
 
     def add(self, network: str, number: int) -> None:
-        """Count so many more of a network in this worker."""
+        """Count ``number`` more of a network in this worker."""
 
 
 class _Nowhere(Elsewhere):

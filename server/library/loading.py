@@ -97,7 +97,7 @@ class Loading:
             raise ReadError("log.no_scans", "The file has point clouds and no planar scans: it makes a map in 3D.")
         if record.summary is not None and record.summary.map is not None:
             raise ReadError("log.no_scans", "This is a map: it has no scans.")
-        for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
+        for _ in range(3):  # one more than reading takes: the survey may be at this log, and packs nothing
             record = await self._settled(owner, log_id)
             try:
                 return await self.scans.packed(record)
@@ -210,7 +210,7 @@ class LibraryLimits:
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
     read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.processing.reader.Reader`
-    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
+    read_cpu_s: float = 100.0  #: seconds of processor time, for the same
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
     lease_s: float = 15.0  #: for which a service that was killed or cut off keeps its jobs from others
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory

@@ -197,7 +197,7 @@ class LogRecording(Recording, Viewed):
     def use(self, log: ScanLog, view: LogView) -> None:
         """Begin again with another sensor of the log, or with scans that are cut otherwise (worker thread).
 
-        The parameters stay, but for those that the sensor sets. Raises as :meth:`choose`, without changes.
+        The parameters stay, except those that the sensor sets. Raises as :meth:`choose`, without changes.
         """
         old = self.replay
         changed = changed_values(old.config, first_config(self.log))

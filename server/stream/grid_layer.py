@@ -39,7 +39,7 @@ STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHO
 MOST_CHANGES = 3072
 MAX_FRAME_TILES = 2048
 MOST_AT_ONCE = 32  #: tiles that are compressed in one call
-#: Where each of so many tiles begins in one array, and its size, as python-zstandard takes them.
+#: Where each tile begins in one array, and its size, as python-zstandard takes them.
 _SEGMENTS = np.array([(i * TILE * TILE, TILE * TILE) for i in range(MOST_AT_ONCE)], dtype=np.uint64).tobytes()
 
 _EPOCHS = itertools.count(1)  # of the process: a new picture never has the epoch of an earlier one

@@ -28,7 +28,7 @@ class MovableTimer:
         self._due, self._handle = due, self._loop.call_at(due, self._look)
 
     def set_in(self, seconds: float) -> None:
-        """Call in so many seconds instead of before."""
+        """Call in ``seconds`` from now instead."""
         self.set(self._loop.time() + seconds)
 
     def close(self) -> None:

@@ -9,10 +9,10 @@ address share the part of the address.
 A job is urgent while it is interactive (a user waits for it) and has computed for at most :data:`URGENT_S`. Other jobs
 are deferred while an urgent one computes or waits: the threads of this process share the interpreter and the cores.
 They still get one slice after each :data:`DEFERRED_EVERY_S` of urgent computing. Urgent jobs of an address that
-computed much of late are deferred likewise while an urgent one of an address that computed much less computes or waits.
+computed much recently are also deferred while an urgent one of an address that computed much less computes or waits.
 
-While several turns are held, only the address that has computed least of late may use more than one core for its turn:
-a map that a user waits for is then made as when the user is alone, but for one core that is shared.
+While several turns are held, only the address that has computed least recently may use more than one core for its turn:
+a map that a user waits for is then made as when the user is alone, except that one core is shared.
 """
 
 from __future__ import annotations
@@ -208,7 +208,7 @@ class WaitingTurns:
     def first(
         self, addresses: Mapping[str, int], owners: Mapping[JobOwner, int], without: AbstractSet[str] = frozenset()
     ) -> Turn | None:
-        """Return the next turn to grant, where addresses and owners hold so many turns.
+        """Return the next turn to grant, given the turns that addresses and owners hold.
 
         None if no turn waits but those of the addresses ``without``.
         """
@@ -282,7 +282,7 @@ class Scheduler:
         self._recent = RecentComputing()
         self._count = 0
         self._urgent_s = 0.0  #: urgent computing since the last slice of a job that is not urgent
-        self._light_s = 0.0  #: urgent computing since the last slice of an address that computed HEAVY_S of late
+        self._light_s = 0.0  #: urgent computing since the last slice of an address that computed HEAVY_S recently
         self._startable: list[Turn] = []  #: turns that were granted, and whose tasks have no thread yet
         #: Finished tasks that their event loop has not been told of: it is woken once for all of them.
         self._finished: dict[asyncio.AbstractEventLoop, list[Finished]] = {}

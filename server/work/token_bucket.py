@@ -1,4 +1,4 @@
-"""A token bucket: so many at once, and so many a second from then on."""
+"""A token bucket: a number of tokens at once, and then a number per second."""
 
 from __future__ import annotations
 

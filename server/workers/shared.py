@@ -118,7 +118,7 @@ class WorkersConnections:
         return int(in_all), int(of_network)
 
     def add(self, network: str, number: int) -> None:
-        """Count so many more connections of a network in this worker."""
+        """Count ``number`` more connections of a network in this worker."""
         self._rows[self._own, self._place(network)] += number
         self._rows[self._own, PLACES] += number
 
@@ -154,7 +154,7 @@ class Shared:
 
     @classmethod
     def make(cls, workers: int, class_code: str | None) -> Shared:
-        """Make the memory for so many workers."""
+        """Make the memory for a number of workers."""
         prepared = None if class_code is None else SharedClass(class_code, workers)
         return cls(SharedUse(workers), SharedConnections(workers), Guesses.make(), prepared)
 

@@ -41,7 +41,7 @@ def in_child(work: Callable[[], None]) -> None:
 
 
 def supervise(workers: int, serve: Callable[[Worker], None], class_code: str | None = None) -> None:
-    """Fork so many processes, each of which calls ``serve`` once; return when the service was ended by a signal.
+    """Fork ``workers`` processes, each of which calls ``serve`` once; return when the service was ended by a signal.
 
     ``class_code`` is that of a class that is open from the start.
     """

@@ -53,7 +53,7 @@ class Displacement:
 
 
 def displacements(motions: Motions, untold: NDArray[np.bool_]) -> list[Displacement]:
-    """Return the sudden differences in their order, but for those in steps that are ``untold`` (n - 1,)."""
+    """Return the sudden differences in their order, without those in steps that are ``untold`` (n - 1,)."""
     if len(motions.by_wheels) < 2 * AROUND_STEPS:
         return []
     rest = _without_systematic(compose(inverse(motions.by_wheels), motions.by_scans), motions)

@@ -13,7 +13,7 @@ from mapper.core.array_types import Float64Array
 from mapper.core.se2 import wrap_angle
 from mapper.sensors.scan import ScanLog
 
-GAP_S, USUAL_INTERVALS = 2.0, 5.0  #: a gap lasts longer than that, and than so many usual intervals
+GAP_S, USUAL_INTERVALS = 2.0, 5.0  #: a gap is longer than both, the second in usual intervals
 TURN_M = 0.3  #: metres of way that a turn by one radian counts
 MOVED_M = 0.02  #: of way, from which a robot moved
 CLOCK_SET_S = 86_400.0  #: a jump of the stamps that is no pause of a robot, however little it moved

@@ -22,7 +22,7 @@ class Frame(NamedTuple):
 
 
 def to_lattice(
-    x: Any,  # noqa: ANN401 - a float or an array of them, and the like comes back
+    x: Any,  # noqa: ANN401 - a float or an array of them, as the result
     y: Any,  # noqa: ANN401 - as above
     frame: Frame,
 ) -> tuple[Any, Any]:

@@ -29,7 +29,7 @@ TYPES = {
 }  # fmt: skip
 CELLS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS")
 HIGH, LOW = "_splitTime_high32", "_splitTime_low32"
-#: A line that begins with a letter, but for a number that is written nan or inf.
+#: A line that begins with a letter, except a number that is written nan or inf.
 KEYWORD = re.compile(rb"\n[ \t]*(?!(?:nan|inf)\b)[A-Za-z_]", re.IGNORECASE)
 
 

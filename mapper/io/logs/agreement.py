@@ -16,7 +16,7 @@ from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 
 STRETCH = 40  #: scans one after another that are compared with each other: poses drift little meanwhile
-SHORTER = 20  #: of a log in which more stretches of so many tell something: a short one, with few turns
+SHORTER = 20  #: the same in a short log with few turns, for more stretches
 MOST_STRETCHES = 6  #: that are looked at, those in which the robot moves most
 FAST, LEAST_STILL, MOST_STILL = 5, 4, 10  #: scans of each in which it moves most, and hardly
 LEAST_STRETCHES = 2  #: fewer tell nothing

@@ -22,7 +22,7 @@ FARTHEST_USUAL_M = 300.0  #: the usual reading of no lidar that drives: those of
 ENOUGH_READINGS = 100_000
 FASTEST_USUAL = 60.0  #: m/s, of what drives with a lidar
 MOST_EXCLUDED = 0.5  #: of the readings: where a limit excludes more, and none counts, that is the reason
-PAUSE = 5.0  #: times between scans that are longer than so many usual ones are pauses
+PAUSE = 5.0  #: usual intervals: longer times between scans are pauses
 
 
 def understood(robot: RobotLog) -> RobotLog:

@@ -4,7 +4,7 @@ Source: nav2_map_server, map_io.cpp. With shade s of a pixel, 0 … 1, its occup
 says ``negate``; a cell's value is
 
 ``trinary``  100 where o > occupied_thresh, 0 where o < free_thresh, else −1; an alpha channel counts as a fourth colour
-``scale``    −1 where not opaque, else 100 and 0 likewise, and between them stretched over 0 … 100
+``scale``    −1 where not opaque, else 100 and 0 by the same thresholds, and between them stretched over 0 … 100
 ``raw``      the grey 0 … 255 itself where it is at most 100, else −1
 """
 

@@ -244,7 +244,7 @@ def _note_crossings(
 ) -> bool:  # fmt: skip
     """Note for ``n`` crossings which columns their rows enter or leave at, and return whether all are sure.
 
-    They are counted from row ``low`` and column ``left``. A column before ``left`` counts as that one, for the row is
+    They are counted from row ``low`` and column ``left``. A column before ``left`` counts as that one, as the row is
     inside from there, and one beyond ``width`` as that.
     """
     at_rows, at_columns = crossings

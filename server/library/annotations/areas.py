@@ -24,7 +24,7 @@ def centroid(corners: Sequence[Corner]) -> Corner:
 
 
 def is_thin(corners: Sequence[Corner]) -> bool:
-    """Return whether the corners of a polygon are in one line: it has no area, but for rounding."""
+    """Return whether the corners of a polygon are in one line: its area is zero up to rounding."""
     extent = float(np.ptp(np.asarray(corners), axis=0).max())
     return abs(area_of(corners)) <= THIN * extent**2
 

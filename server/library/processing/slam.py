@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from mapper.slam import SlamProgress
 
 NAME = "SLAM"  #: of the trajectory, in the process
-EVERY_S = 0.4  #: seconds between two reports, but for those of a loop that closed
+EVERY_S = 0.4  #: seconds between two reports, except those of a closed loop
 
 #: Endings of the files, after the job's ``out``.
 PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"

@@ -125,7 +125,7 @@ class Editing(Part, EditedFiles):
         edited = self._edited
         self._map.set_cells(edited.geometry, *picture_range(MappingConfig()), self._bands(edited.values, _map_shades()))
         self._keepout.set_cells(edited.geometry, 0.0, 254.0, self._bands(edited.keepout, _ZONE_SHADES))
-        if self._has_limits or edited.speed.any():  # few maps have speed limits: the others are not drawn once more
+        if self._has_limits or edited.speed.any():  # few maps have speed limits: the others are not drawn again
             self._has_limits = True
             self._speed.set_cells(edited.geometry, 0.0, 254.0, self._bands(edited.speed, _ZONE_SHADES))
 

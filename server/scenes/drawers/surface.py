@@ -29,7 +29,7 @@ class SurfaceDrawer(Drawer[Surface, Surface]):
 
     @property
     def unsettled(self) -> bool:
-        """Whether replaced nodes are still there: the scene is drawn once more, and they are removed."""
+        """Whether replaced nodes are still there: the scene is drawn again, and they are removed."""
         return self._nodes.unsettled
 
     def show(self, content: Surface) -> None:

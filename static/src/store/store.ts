@@ -54,7 +54,7 @@ class SessionState extends SessionSignals implements Receiver {
     this.send({ type: this.frame.peek()?.playing ? "pause" : "play" });
   }
 
-  /** Show the map after so many scans, and stay there: a log that plays would go on from it. */
+  /** Show the map after this number of scans, and stay there: a log that plays would go on from it. */
   goTo(index: number): void {
     this.send({ type: "pause" });
     this.send({ type: "seek", index });

@@ -34,7 +34,7 @@ class Member:
     """A file in an archive: ``size`` bytes of the file ``archive``, from ``at`` on. Opened as a path is.
 
     ``unpacked`` opens what a packed archive expands to, where ``at`` is a place in that; None: it is not packed.
-    ``head`` are then its first bytes: to read them again, the archive would be decompressed up to them once more.
+    ``head`` are then its first bytes: to read them again, the archive would be decompressed up to them again.
     ``journal`` is the write-ahead log that SQLite left beside it, named as it is and ``-wal``.
     """
 

@@ -230,7 +230,7 @@ class _Mcap:
         """Take what is wanted of a chunk that is not compressed, whose data comes next.
 
         Where all of it was read its checksum is checked, and nothing of a damaged one is taken. Channels are taken at
-        once, for they say what is wanted.
+        once, as they say which messages are read.
         """
         section = Section(self.stream, head.data_bytes)
         wanted: list[bytes] = []

@@ -321,7 +321,7 @@ def _same_angles(beamings: list[Beaming]) -> list[int]:
             equal.append(len(known))
             known = np.vstack([known, [beaming.angle_min, beaming.angle_increment]])
         else:
-            equal.append(MOST_COMPARED + number)  # so many are put on the usual beams in any case
+            equal.append(MOST_COMPARED + number)  # this number is put on the usual beams in any case
     return equal
 
 

@@ -28,7 +28,7 @@ from mapper.sensors.planar.depth import cut_depth
 
 IMAGE, CAMERA = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
 HELD_BYTES = 64 << 20
-FLOOR_CLOUDS = 20  #: of a topic: in so many of its first clouds the floor is looked for
+FLOOR_CLOUDS = 20  #: of a topic: the floor is searched for in this number of its first clouds
 FLOOR_M = 0.1  #: metres above the lowest height in which the floor is looked for, and by which it shortens a beam
 
 Emit = Callable[[Stream, int, Beams, int], None]

@@ -328,7 +328,7 @@ class Recording(MessageSink):
         return [track_of(topic, sender) for topic, sender in senders]
 
     def _take_clocks_anew(self) -> None:
-        """Compare the stamps of poses and transforms with their recording times once more."""
+        """Compare the stamps of poses and transforms with their recording times again."""
         taken = self._taken
         for pose in taken.poses.values():
             stamps, _, recorded = pose.timeline.track

@@ -39,7 +39,7 @@ class SensorScans:
         self._numbers: dict[Beaming, int] = {}
         self._of_scan = array("q")  #: the number of each scan's beaming
         self._ranges = bytearray()
-        self._is_repeated = array("b")  #: whether each scan is the one before once more
+        self._is_repeated = array("b")  #: whether each scan repeats the one before
         self._time_increments = array("f")
         self._scan_times = array("f")
         self._mounts = array("d")

@@ -595,7 +595,7 @@ def why_ignored(parent: str, child: str, pose: Pose7) -> str:
 
 
 def is_fixed_name(frame: str) -> bool:
-    """Return whether a frame is named as fixed ones are: one of its words is map, odom or the like, or it is utm, …"""
+    """Return whether a frame is named as fixed ones are: one of its words is map, odom or similar, or it is utm, …"""
     name = _last(frame).lower()
     return name in _WORLD_NAMES or bool(_WORLD_WORDS & set(re.split(r"[^a-z]+", name)))
 

@@ -139,7 +139,7 @@ def livox_cloud(data: bytes, *, cdr: bool) -> Cloud:
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     fields.unpack("Q", 8)  # the time of the first point
-    fields.unpack("I", 4)  # the number of points, which stands before them once more
+    fields.unpack("I", 4)  # the number of points, which is repeated before them
     fields.unpack("4B", 1)  # the lidar's number, and three bytes for later use
     n = fields.count(LIVOX_POINT.itemsize)
     values = data[fields.pos : fields.pos + n * (step := 20 if cdr else LIVOX_POINT.itemsize)]

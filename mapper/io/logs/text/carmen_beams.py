@@ -69,7 +69,7 @@ def front_laser_beams(n_beams: int, word: str, fov: float | None = None, resolut
     """Return the beams of lines ``word`` that state no angles, with notes on them.
 
     ``fov`` and ``resolution``, radians, are what the log's parameters state. They count where they agree with the
-    number of beams; then lidars count that send so many, then the parameters as they are. Else it is 180°.
+    number of beams; then that of lidars that send this number, then the parameters as they are. Else it is 180°.
     """
     by_count = BY_COUNT.get(n_beams)
     if fov is not None and resolution is not None and _agree(resolution * max(1, n_beams - 1), fov, resolution):

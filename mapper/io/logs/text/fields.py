@@ -123,7 +123,7 @@ def count(token: str, line: int, word: str, what: str, largest: int, *, least: i
 
 
 def require_fields(tokens: Sequence[str], between: tuple[int, int], line: int, word: str, stated: str) -> None:
-    """Raise :class:`ReadError` unless a line has as many tokens as ``between`` allows; ``stated`` says why so many.
+    """Raise :class:`ReadError` unless a line has as many tokens as ``between`` allows; ``stated`` says why.
 
     CARMEN ends a line with ``stamp host logger_stamp``: a line that still has its host, which is no number, is whole
     and has the most tokens, so another number of them means that the stated count is wrong.

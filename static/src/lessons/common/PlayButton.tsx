@@ -9,7 +9,7 @@ interface PlayButtonProps {
   readonly pause?: string;
   /** Whether it shows its text, as the first button of a figure. */
   readonly isPrimary?: boolean;
-  /** Called before each press takes effect: a figure at its end begins anew. */
+  /** Called before each press takes effect: a figure at its end begins again. */
   readonly onPress?: () => void;
 }
 

@@ -21,7 +21,7 @@ const [AT_QUANTILE, AT_ERROR] = [BINS / 2, BINS];
 const limits = signal({ error: ERROR.initial, quantile: QUANTILE.initial });
 const within = (value: number, { low, high }: typeof ERROR): number => Math.min(high, Math.max(low, value));
 
-/** How many particles KLD sampling wants for so many occupied bins; ε and q are dragged on the curve. */
+/** How many particles KLD sampling needs for a number of occupied bins; ε and q are dragged on the curve. */
 export function ParticleNumber() {
   const { error, quantile } = limits.value;
   const bins = occupiedBins(corridor.value);

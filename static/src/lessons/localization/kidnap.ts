@@ -118,7 +118,7 @@ export function advance(
   const fresh = Math.round((last?.share ?? 0) * count);
   const control = odometryControl(walk.robot, robot);
   const sigmas = odometrySigmas(control, ALPHAS);
-  // The drawn ones are in the order of the old cloud: the random ones replace one in so many.
+  // The drawn ones are in the order of the old cloud: the random ones replace every n-th.
   const isRandom = (i: number): boolean => Math.floor(((i + 1) * fresh) / count) > Math.floor((i * fresh) / count);
   const moved: Pose[] = [];
   const added: Pose[] = [];

@@ -7,13 +7,13 @@ import type { Projection } from "../stage/camera";
 import { paintCells } from "../stage/paintCells";
 import { distances, FIELD_GEOMETRY, MIXTURE } from "./field";
 
-/** Radius of a dot, CSS pixels, on a stage with so many pixels for a metre; smaller on a smaller one. */
+/** Radius of a dot, CSS pixels, on a stage with this scale, pixels per metre; smaller on a smaller stage. */
 const DOT = 2.2;
 const LARGE = 50;
 
 interface CloudStyle {
   readonly weights: Float64Array;
-  /** The last so many poses are random ones. */
+  /** The number of random poses, at the end of the list. */
   readonly random: number;
 }
 

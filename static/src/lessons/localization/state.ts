@@ -15,7 +15,7 @@ export const supposedAt = onPath<Pose>([3.1, 2.15, 0.25]);
 export const TAKEN_AT: Pose = [2.6, 1.9, 0.1];
 
 const ANYWHERE = 4000;
-/** With one beam in so many, so that more than one pose fits. */
+/** Every n-th beam is used, so that more than one pose fits. */
 const EVERY = 5;
 const poses = computed(() => {
   const random = seeded(11);

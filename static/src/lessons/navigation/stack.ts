@@ -94,7 +94,7 @@ function driven({ walk, seen, plan, arrived }: Drive, to: Point): Drive {
   return looking(advance(walk, INITIAL, [px, py, heading]), seen, to);
 }
 
-/** The drive after so many steps of the last phase. */
+/** The drive after `index` steps of the last phase. */
 export function driveAt(index: number): Drive {
   drives[0] ??= looking(walkAt(STEPS.amcl - 1), unknown(), goalAt.peek());
   while (drives.length <= index) drives.push(driven(drives.at(-1) as Drive, goalAt.peek()));

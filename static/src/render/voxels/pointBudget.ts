@@ -6,7 +6,7 @@
 
 /** A frame is to take this long while the camera moves, ms. */
 const TARGET_MS = 50;
-/** And at most so many times as long while it rests. */
+/** The factor by which a frame may take longer while the camera rests. */
 const AT_REST = 4;
 /** The camera rests if it has not moved for this long, ms. */
 const REST_MS = 300;

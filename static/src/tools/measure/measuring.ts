@@ -16,7 +16,7 @@ export class Measuring {
   readonly onMap = computed<readonly Point[]>(() => this.points.value.map(([x, y]) => [x, y]));
   /** Side of the largest voxel that a point is on, m; 0: all are measured points; null: all are places of a map. */
   readonly size = signal<number | null>(null);
-  /** Whether the next click begins anew. */
+  /** Whether the next click begins a new line. */
   readonly isDone = signal(false);
   /** Whether points snap to the borders between walls and what is free beside them. */
   readonly snaps = signal(true);

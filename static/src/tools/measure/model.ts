@@ -115,7 +115,7 @@ export function snapped(map: MapPicture, point: Point, reach: number): Point | n
 
 const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
 
-/** The longest of 1, 2 and 5 times a power of ten, m, that is at most `pixels` wide at so many metres a pixel. */
+/** The longest of 1, 2 and 5 times a power of ten, m, that is at most `pixels` wide at this scale, metres per pixel. */
 export function scaleBar(metresPerPixel: number, pixels: number): number {
   const most = metresPerPixel * pixels;
   const power = 10 ** Math.floor(Math.log10(most));

@@ -90,7 +90,7 @@ interface Place {
   readonly v: number;
 }
 
-/** Whether the cells between two places are free of walls, but for those that the places are on. */
+/** Whether the cells between two places are free of walls, except those that the places are on. */
 function isFree(map: MapPicture, from: Place, to: Place): boolean {
   const length = Math.hypot(to.u - from.u, to.v - from.v);
   for (let at = 0.75; at < length - 0.75; at += 0.25) {

@@ -33,7 +33,7 @@ export function Guest({ token }: { token: string }) {
       opened.value = { session: await beginShared(token, own.signal), shared: view };
       failure.value = null;
     } catch (error) {
-      if (ending.current !== own) return; // it is being opened once more
+      if (ending.current !== own) return; // it is being opened again
       if (own.signal.aborted) failure.value = "Opening it was cancelled.";
       else if (!mayPass(error)) failure.value = (error as Error).message;
       else {

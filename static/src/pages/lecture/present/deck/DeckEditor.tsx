@@ -220,10 +220,10 @@ async function change(
   await changeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
 }
 
-/** How long a row is at hand before its picture is shown, ms: the pointer passes over many. */
+/** How long the pointer is on a row before its picture is shown, ms, as it passes over many. */
 const REST_MS = 150;
 
-/** The list of slides, and a picture of the one at hand. */
+/** The list of slides, and a picture of the selected one. */
 function Slides() {
   const { slides } = deck.value;
   const list = useRef<HTMLOListElement>(null);

@@ -87,11 +87,11 @@ async function drawThumbnail(key: string, from: Window): Promise<void> {
 /** Time without input before the next picture is made. */
 const IDLE_MS = 50;
 
-/** The key of the slide at hand, whose large picture is beside the list. */
+/** The key of the selected slide, whose large picture is next to the list. */
 const atHand = signal<string | null>(null);
 /** Keys of the slides whose rows are in view and have no picture yet. */
 const wanted = signal<ReadonlySet<string>>(new Set());
-/** The slide at hand comes first, then those in view from the top; those that were not ready in time come last. */
+/** The selected slide comes first, then those in view from the top; those that were not ready in time come last. */
 const next = computed(() => {
   const keys = [...(atHand.value === null ? [] : [atHand.value]), ...deck.value.slides.map(thumbnailKey)];
   const missing = keys.filter((key) => !thumbnails.value.has(key) && (key === atHand.value || wanted.value.has(key)));
@@ -127,7 +127,7 @@ export function Thumbnail({ slide }: { readonly slide: Slide }) {
   );
 }
 
-/** The large picture of the slide at hand; where the browser draws no pages, a page that shows the slide. */
+/** The large picture of the selected slide; where the browser draws no pages, a page that shows the slide. */
 export function LargePicture({ slide, index }: { readonly slide: Slide; readonly index: number }) {
   const key = thumbnailKey(slide);
   const address = thumbnails.value.get(key);
