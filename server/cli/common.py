@@ -80,6 +80,14 @@ def fail(message: str) -> NoReturn:
     raise typer.Exit(BAD_INPUT)
 
 
+def make_folder_of(path: Path) -> None:
+    """Make the folder of a file that is to be written, or end the command with an error."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        _fail_to_write(path, error)
+
+
 @contextmanager
 def output_file(path: Path) -> Iterator[IO[bytes]]:
     """Open a file that appears whole or not at all; one that cannot be written ends the command with a sentence."""
@@ -87,7 +95,11 @@ def output_file(path: Path) -> Iterator[IO[bytes]]:
         with atomic_write(path) as file:
             yield file
     except OSError as error:
-        fail(f"{path}: the file cannot be written: {error.strerror}.")
+        _fail_to_write(path, error)
+
+
+def _fail_to_write(path: Path, error: OSError) -> NoReturn:
+    fail(f"{path}: the file cannot be written: {error.strerror}.")
 
 
 @contextmanager

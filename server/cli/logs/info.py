@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import typer
 from msgspec import to_builtins
 
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ReadError
 from mapper.diagnosis import diagnose
 from mapper.io.clouds.depth_folder import is_depth_folder
@@ -40,6 +39,7 @@ from server.cli.common import (
     configured,
     fail,
     given_parameters,
+    output_file,
     print_json,
     print_notes,
     progress_bar,
@@ -144,7 +144,7 @@ def _write_report(path: Path) -> None:
     if not path.exists():
         fail(f"{path}: There is no such file.")
     text = json.dumps({"gridbloom": package_version()} | excerpt(path), indent=1, ensure_ascii=False, allow_nan=False)
-    with atomic_write(Path(REPORT)) as file:
+    with output_file(Path(REPORT)) as file:
         file.write(text.encode())
     typer.echo(
         f"wrote {REPORT}, {len(text.encode()):,} bytes: types, topics, frames, counts, limits and notes. Readings, "

@@ -28,6 +28,7 @@ from server.cli.common import (
     configured,
     fail,
     given_parameters,
+    output_file,
     progress_bar,
     refusing,
     with_parameter_options,
@@ -80,10 +81,8 @@ def report(
         made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events), notes=placed)
         page = report_page(made)
         data = report_pdf(page) if out.suffix.lower() == ".pdf" else page.encode()
-    try:
-        out.write_bytes(data)
-    except OSError as error:
-        fail(f"{out}: {error.strerror}")
+    with output_file(out) as file:
+        file.write(data)
     typer.echo(f"{out} written")
 
 
