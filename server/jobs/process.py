@@ -16,10 +16,11 @@ import resource
 import signal
 import sys
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from mapper.core.errors import LimitError
 
@@ -39,43 +40,33 @@ class JobLimits:
     memory_bytes: int = 6 << 30
 
 
-class WorkerJob(Protocol[R_co]):
-    """A job of a worker process, within limits of elapsed and processor time and of address space."""
+class BoundedJob(ABC, Generic[R_co]):
+    """Base of the jobs of worker processes, within ``limits``.
 
-    @property
-    def timeout_s(self) -> float:
-        """Longest elapsed time, seconds."""
-
-    @property
-    def memory_bytes(self) -> int:
-        """Largest address space of the process, bytes."""
-
-    @property
-    def work(self) -> Callable[[Any], R_co]:
-        """The function that does the job, which is its only argument."""
-
-    def time_error(self) -> LimitError:
-        """Return the error for a job that took too long."""
-
-
-class BoundedJob:
-    """Base of jobs: their limits of time, and the errors of these; ``DOING`` and ``CODE`` as for :func:`bounded`."""
+    ``DOING`` and ``CODE`` are of its errors, as for :func:`bounded`. A job in the ``BACKGROUND`` has a lower priority.
+    """
 
     __slots__ = ()
 
     DOING: ClassVar[str] = READING
     CODE: ClassVar[str] = "log"
+    BACKGROUND: ClassVar[bool] = False
 
-    timeout_s: float
-    cpu_s: float
+    limits: JobLimits
+
+    @abstractmethod
+    def compute(self) -> R_co:
+        """Return the result of the job."""
+
+    def do(self) -> R_co:
+        """Return the result, in the process of the job. Raises as :func:`bounded`."""
+        if self.BACKGROUND:
+            lower_priority()
+        return bounded(self.limits.timeout_s, self.limits.cpu_s, self.compute, self.DOING, self.CODE)
 
     def time_error(self) -> LimitError:
         """Return the error for a job that took too long."""
-        return time_error(self.timeout_s, self.DOING, self.CODE)
-
-    def bounded(self, work: Callable[[], T]) -> T:
-        """Return what ``work`` returns, in the process of the job. Raises as :func:`bounded`."""
-        return bounded(self.timeout_s, self.cpu_s, work, self.DOING, self.CODE)
+        return time_error(self.limits.timeout_s, self.DOING, self.CODE)
 
 
 _report: Callable[[float], None] | None = None  #: reports the progress of this process

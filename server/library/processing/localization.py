@@ -10,7 +10,6 @@ import asyncio
 import shutil
 import time
 import zipfile
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +25,7 @@ from mapper.io import export
 from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.scan import Trajectory
 from server.jobs import process
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.filter_states import FilterStates, filter_states_bytes, thinned
@@ -49,35 +48,6 @@ _NUMBERS = ("fraction", "is_converged", "is_sure", "share", "fit", "entropy", "n
 
 
 @dataclass(frozen=True, slots=True)
-class LocalizeJob(BoundedJob):
-    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
-
-    ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
-    ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
-    and time offset are used.
-    """
-
-    DOING = "Localizing this log"
-    CODE = "localization"
-
-    pack: str
-    given: str
-    out: str
-    trajectory: str | None
-    initial_pose: tuple[float, float, float] | None
-    parameters: Parameters
-    mapping: Parameters
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
-
-    @property
-    def work(self) -> Callable[[LocalizeJob], LocalizeOutcome]:
-        """The function that does it."""
-        return do_localize_job
-
-
-@dataclass(frozen=True, slots=True)
 class LocalizeOutcome:
     """Result of localization; ``first_converged`` is None where the filter never converged.
 
@@ -96,6 +66,63 @@ class LocalizeOutcome:
     sure: int = 0
     is_sure: bool = False
     left_out: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizeJob(BoundedJob[LocalizeOutcome]):
+    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
+
+    ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
+    ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
+    and time offset are used.
+    """
+
+    BACKGROUND = True
+    DOING = "Localizing this log"
+    CODE = "localization"
+
+    pack: str
+    given: str
+    out: str
+    trajectory: str | None
+    initial_pose: tuple[float, float, float] | None
+    parameters: Parameters
+    mapping: Parameters
+    limits: JobLimits
+
+    def compute(self) -> LocalizeOutcome:
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used."""
+        from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415
+        from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
+
+        log = log_in(self.pack)
+        given = read_reference_map(Path(self.given))
+        grid = grid_of_values(given.geometry, given.values)
+        watch = _Watch(self.out, log.n_scans)
+        localized = localization.localize_log(
+            as_mapped(log, MappingConfig().with_values(self.mapping)),
+            grid,
+            localization.LocalizationConfig().with_values(self.parameters),
+            trajectory=self.trajectory,
+            initial_pose=self.initial_pose,
+            watch=watch,
+        )
+        offsets, particles = thinned(watch.clouds)
+        states = FilterStates(
+            localized.covariance, localized.is_converged, localized.is_sure, localized.is_updated, localized.share,
+            localized.fit, localized.entropy, localized.n_particles, offsets, particles, given,
+        )  # fmt: skip
+        log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(localized.poses, from_scans=True)})
+        Path(self.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
+        Path(self.out + TUM).write_text(export.tum_text(log, LOCALIZED), encoding="ascii")
+        process.note_progress(1.0)
+        used = localized.fit[localized.is_updated]
+        return LocalizeOutcome(
+            given.title, localized.odometry, localized.first_converged,
+            int(localized.is_converged.sum()), bool(localized.is_converged[-1]),
+            len(used), float(np.median(used)) if len(used) else 0.0, localized.cpu_seconds,
+            int(localized.is_sure.sum()), bool(localized.is_sure[-1]), int((~localized.is_known).sum()),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,46 +151,6 @@ class LocalizeProgress:
     def stage(self) -> str:
         """What is done now: there is one stage."""
         return "localization"
-
-
-def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:
-    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used, and limits."""
-    process.lower_priority()
-    return job.bounded(lambda: _localize(job))
-
-
-def _localize(job: LocalizeJob) -> LocalizeOutcome:
-    from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415
-    from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
-
-    log = log_in(job.pack)
-    given = read_reference_map(Path(job.given))
-    grid = grid_of_values(given.geometry, given.values)
-    watch = _Watch(job.out, log.n_scans)
-    localized = localization.localize_log(
-        as_mapped(log, MappingConfig().with_values(job.mapping)),
-        grid,
-        localization.LocalizationConfig().with_values(job.parameters),
-        trajectory=job.trajectory,
-        initial_pose=job.initial_pose,
-        watch=watch,
-    )
-    offsets, particles = thinned(watch.clouds)
-    states = FilterStates(
-        localized.covariance, localized.is_converged, localized.is_sure, localized.is_updated, localized.share,
-        localized.fit, localized.entropy, localized.n_particles, offsets, particles, given,
-    )  # fmt: skip
-    log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(localized.poses, from_scans=True)})
-    Path(job.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
-    Path(job.out + TUM).write_text(export.tum_text(log, LOCALIZED), encoding="ascii")
-    process.note_progress(1.0)
-    used = localized.fit[localized.is_updated]
-    return LocalizeOutcome(
-        given.title, localized.odometry, localized.first_converged,
-        int(localized.is_converged.sum()), bool(localized.is_converged[-1]),
-        len(used), float(np.median(used)) if len(used) else 0.0, localized.cpu_seconds,
-        int(localized.is_sure.sum()), bool(localized.is_sure[-1]), int((~localized.is_known).sum()),
-    )  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -311,7 +298,7 @@ class LocalizationKind:
 
         Raises :class:`ConfigError` where no map was chosen.
         """
-        wanted, limits = run.request, run.limits
+        wanted = run.request
         log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
         pack, given = await run.packed(log, "log.npz"), run.folder / "map.npz"
         try:
@@ -321,7 +308,7 @@ class LocalizationKind:
         pose = wanted.parameters.initial_pose
         job = LocalizeJob(
             pack, str(given), str(run.out), wanted.trajectory, pose, wanted.parameters.values, wanted.mapping or {},
-            limits.timeout_s, limits.cpu_s, limits.memory_bytes,
+            run.limits,
         )  # fmt: skip
         outcome = await run.follow(job, read_progress)
         name = run.own_name(log, NAME, f"{NAME} in a map")

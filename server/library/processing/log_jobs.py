@@ -22,7 +22,7 @@ from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.jobs.leases import Leases
 from server.jobs.outcome import outcome_of
-from server.jobs.process import JobLimits, WorkerJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.queue import JobQueue, Running
 from server.jobs.record import JobKind, JobRecord, JobRows, JobStatus
 from server.jobs.workers import Worker
@@ -133,7 +133,7 @@ class Run(Generic[Q, P]):
         await asyncio.to_thread(packed, log, path)
         return str(path)
 
-    async def follow(self, job: WorkerJob[T], newest: Callable[[Path], P | None]) -> T:
+    async def follow(self, job: BoundedJob[T], newest: Callable[[Path], P | None]) -> T:
         """Do a job in the worker process, and tell how far it is.
 
         ``newest`` returns what it has reported last, from the files at a path.

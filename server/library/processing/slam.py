@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import time
 import zipfile
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,7 +26,7 @@ from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import Trajectory
 from mapper.slam.config import SLAM_PARAMETERS, SlamConfig
 from server.jobs import process
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
@@ -45,33 +44,6 @@ PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
 
 
 @dataclass(frozen=True, slots=True)
-class SlamJob(BoundedJob):
-    """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
-
-    ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
-    ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
-    figures of the result are those of that map.
-    """
-
-    DOING = "SLAM of this log"
-    CODE = "slam"
-
-    pack: str
-    out: str
-    trajectory: str | None
-    parameters: Parameters
-    mapping: Parameters
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
-
-    @property
-    def work(self) -> Callable[[SlamJob], SlamOutcome]:
-        """The function that does it."""
-        return do_slam_job
-
-
-@dataclass(frozen=True, slots=True)
 class SlamOutcome:
     """Result of SLAM of a log, with the figures of the map along the poses from ``before`` and ``after`` it."""
 
@@ -85,6 +57,58 @@ class SlamOutcome:
 
 
 @dataclass(frozen=True, slots=True)
+class SlamJob(BoundedJob[SlamOutcome]):
+    """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
+
+    ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
+    ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
+    figures of the result are those of that map.
+    """
+
+    BACKGROUND = True
+    DOING = "SLAM of this log"
+    CODE = "slam"
+
+    pack: str
+    out: str
+    trajectory: str | None
+    parameters: Parameters
+    mapping: Parameters
+    limits: JobLimits
+
+    def compute(self) -> SlamOutcome:
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use."""
+        from server.library.packs.graph import graph_bytes  # noqa: PLC0415
+
+        log = log_in(self.pack)
+        if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
+            raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
+        config = SlamConfig().with_values(self.parameters)
+        mapping = MappingConfig().with_values({**RECORDED, **self.mapping})
+        result = slam.slam_log(
+            as_mapped(log, mapping), config, trajectory=self.trajectory, progress=_Reporter(self.out)
+        )
+        offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
+        corrected = Trajectory(result.poses, from_scans=True, offset=offset)
+        log = replace(log, trajectories={**log.trajectories, NAME: corrected})
+        Path(self.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
+        Path(self.out + TUM).write_text(export.tum_text(log, NAME), encoding="ascii")
+        before = log.default_trajectory if result.odometry is None else result.odometry
+        along_odometry, along_slam = (diagnosis.map_figures(log, name, mapping) for name in (before, NAME))
+        process.note_progress(1.0)
+        nodes = len(result.graph.nodes)
+        return SlamOutcome(
+            result.odometry,
+            result.graph.n_loops,
+            nodes,
+            result.cpu_seconds,
+            along_odometry,
+            along_slam,
+            result.notes,
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class PartialPoses:
     """The poses (k, 3), ``T_map_base``, of the first k scans while SLAM runs; ``stage`` as SLAM names it."""
 
@@ -92,41 +116,6 @@ class PartialPoses:
     stage: str
     n_loops: int
     poses: NDArray[np.float64]
-
-
-def do_slam_job(job: SlamJob) -> SlamOutcome:
-    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use, and limits."""
-    process.lower_priority()
-    return job.bounded(lambda: _slam(job))
-
-
-def _slam(job: SlamJob) -> SlamOutcome:
-    from server.library.packs.graph import graph_bytes  # noqa: PLC0415
-
-    log = log_in(job.pack)
-    if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
-        raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
-    config = SlamConfig().with_values(job.parameters)
-    mapping = MappingConfig().with_values({**RECORDED, **job.mapping})
-    result = slam.slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
-    offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
-    corrected = Trajectory(result.poses, from_scans=True, offset=offset)
-    log = replace(log, trajectories={**log.trajectories, NAME: corrected})
-    Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
-    Path(job.out + TUM).write_text(export.tum_text(log, NAME), encoding="ascii")
-    before = log.default_trajectory if result.odometry is None else result.odometry
-    along_odometry, along_slam = (diagnosis.map_figures(log, name, mapping) for name in (before, NAME))
-    process.note_progress(1.0)
-    nodes = len(result.graph.nodes)
-    return SlamOutcome(
-        result.odometry,
-        result.graph.n_loops,
-        nodes,
-        result.cpu_seconds,
-        along_odometry,
-        along_slam,
-        result.notes,
-    )
 
 
 class _Reporter:
@@ -234,13 +223,10 @@ class SlamKind:
 
     async def run(self, run: Run[SlamRequest, PartialPoses]) -> SlamResult:
         """Correct the poses of a log, and add them to it with their graph."""
-        wanted, limits = run.request, run.limits
+        wanted = run.request
         log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
         pack = await run.packed(log, "log.npz")
-        job = SlamJob(
-            pack, str(run.out), wanted.trajectory, wanted.parameters, wanted.mapping or {}, limits.timeout_s,
-            limits.cpu_s, limits.memory_bytes,
-        )  # fmt: skip
+        job = SlamJob(pack, str(run.out), wanted.trajectory, wanted.parameters, wanted.mapping or {}, run.limits)
         outcome = await run.follow(job, read_progress)
         start = "the scans alone" if outcome.odometry is None else f"the poses of {outcome.odometry}"
         loops = "1 loop" if outcome.loops == 1 else f"{outcome.loops} loops"

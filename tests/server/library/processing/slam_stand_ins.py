@@ -1,9 +1,8 @@
-"""Stand-ins for SLAM in a worker, each with the interface of ``do_slam_job``, and a worker of one thread."""
+"""Stand-ins for SLAM in a worker, each in place of ``SlamJob.compute``, and a worker of one thread."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -128,8 +127,7 @@ class ThreadWorker:
         """It is there."""
 
     def submit(self, job: Any) -> Future[Any]:
-        work: Callable[[Any], Any] = job.work
-        return self._pool.submit(work, job)
+        return self._pool.submit(job.compute)
 
     def end(self) -> None:
         self.ended += 1
