@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import shutil
 import time
-import zipfile
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper import localization
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import changed_values
 from mapper.io import export
@@ -31,7 +29,7 @@ from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.filter_states import FilterStates, filter_states_bytes, thinned
 from server.library.packs.log import log_in
 from server.library.packs.reference_map import read_reference_map
-from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
+from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run, read_report, write_report
 from server.library.processing.reference_maps import ReferenceMaps
 
 if TYPE_CHECKING:
@@ -42,9 +40,7 @@ MOST_SHOWN = 2000  #: particles of a report
 KEPT_OF_SCAN = 250  #: particles of a scan in the file
 
 #: Endings of the files, after the job's ``out``.
-PROGRESS, TUM, FILTER_STATES = ".progress", ".tum", ".course"
-
-_NUMBERS = ("fraction", "is_converged", "is_sure", "share", "fit", "entropy", "n_particles", "n_updates")
+TUM, FILTER_STATES = ".tum", ".course"
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,42 +172,16 @@ class _Watch:
             return
         self.written = now
         particles = _sample(np.column_stack([robot.particles, robot.weights / robot.weights.max()]), MOST_SHOWN)
-        numbers = [
+        newest = LocalizeProgress(
             fraction, estimate.is_converged, estimate.is_sure, estimate.share, estimate.fit, estimate.entropy,
-            estimate.n_particles, robot.n_updates,
-        ]  # fmt: skip
-        with atomic_write(Path(self.out + PROGRESS)) as file:
-            np.savez(
-                file, numbers=np.array(numbers, dtype=np.float64), covariance=estimate.covariance,
-                poses=np.stack(self.poses), converged=np.array(self.converged), particles=particles,
-            )  # fmt: skip
+            estimate.n_particles, robot.n_updates, estimate.covariance, np.stack(self.poses), np.array(self.converged),
+            particles,
+        )  # fmt: skip
+        write_report(self.out, newest)
 
 
 def _sample(rows: NDArray[np.float64], most: int) -> NDArray[np.float32]:
     return rows[:: max(1, -(-len(rows) // most))].astype(np.float32)
-
-
-def read_progress(out: Path) -> LocalizeProgress | None:
-    """Return what a running job has reported last; None before the first report."""
-    try:
-        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
-            numbers = dict(zip(_NUMBERS, arrays["numbers"].tolist(), strict=True))
-            return LocalizeProgress(
-                fraction=numbers["fraction"],
-                is_converged=bool(numbers["is_converged"]),
-                is_sure=bool(numbers["is_sure"]),
-                share=numbers["share"],
-                fit=numbers["fit"],
-                entropy=numbers["entropy"],
-                n_particles=int(numbers["n_particles"]),
-                n_updates=int(numbers["n_updates"]),
-                covariance=arrays["covariance"],
-                poses=arrays["poses"],
-                converged=arrays["converged"],
-                particles=arrays["particles"],
-            )
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        return None
 
 
 # -- the kind of jobs -------------------------------------------------------------------------------------------------
@@ -310,7 +280,7 @@ class LocalizationKind:
             pack, str(given), str(run.out), wanted.trajectory, pose, wanted.parameters.values, wanted.mapping or {},
             run.limits,
         )  # fmt: skip
-        outcome = await run.follow(job, read_progress)
+        outcome = await run.follow(job, lambda out: read_report(out, LocalizeProgress))
         name = run.own_name(log, NAME, f"{NAME} in a map")
         first = outcome.first_converged
         when = "which never converged" if first is None else f"converged from scan {first + 1} on"

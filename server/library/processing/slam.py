@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import time
-import zipfile
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper import diagnosis, slam
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import changed_values
 from mapper.io import export
@@ -30,7 +28,7 @@ from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
-from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
+from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run, read_report, write_report
 
 if TYPE_CHECKING:
     from mapper.diagnosis.figures import MapFigures
@@ -40,7 +38,7 @@ NAME = "SLAM"  #: of the trajectory, in the process
 EVERY_S = 0.4  #: seconds between two reports, but for those of a loop that closed
 
 #: Endings of the files, after the job's ``out``.
-PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
+TUM, GRAPH = ".tum", ".graph"
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +120,7 @@ class _Reporter:
     """Writes how far SLAM is, at most every :data:`EVERY_S`, sooner where a loop has closed."""
 
     def __init__(self, out: str) -> None:
-        self._path = Path(out + PROGRESS)
+        self._out = out
         self._written = 0.0
         self._loops = 0
 
@@ -132,20 +130,9 @@ class _Reporter:
         has_closed = progress.n_loops != self._loops
         if now - self._written > (EVERY_S / 4.0 if has_closed else EVERY_S):
             self._written, self._loops = now, progress.n_loops
-            about = np.array([progress.fraction, progress.n_loops], dtype=np.float64)
-            with atomic_write(self._path) as file:
-                np.savez(file, about=about, stage=np.array(progress.stage), poses=progress.poses)
+            newest = PartialPoses(progress.fraction, progress.stage, progress.n_loops, progress.poses)
+            write_report(self._out, newest)
         return True
-
-
-def read_progress(out: Path) -> PartialPoses | None:
-    """Return what a running job has reported last; None before the first report."""
-    try:
-        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
-            fraction, loops = arrays["about"].tolist()
-            return PartialPoses(fraction, str(arrays["stage"]), int(loops), arrays["poses"])
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        return None
 
 
 # -- the kind of jobs -------------------------------------------------------------------------------------------------
@@ -227,7 +214,7 @@ class SlamKind:
         log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
         pack = await run.packed(log, "log.npz")
         job = SlamJob(pack, str(run.out), wanted.trajectory, wanted.parameters, wanted.mapping or {}, run.limits)
-        outcome = await run.follow(job, read_progress)
+        outcome = await run.follow(job, lambda out: read_report(out, PartialPoses))
         start = "the scans alone" if outcome.odometry is None else f"the poses of {outcome.odometry}"
         loops = "1 loop" if outcome.loops == 1 else f"{outcome.loops} loops"
         name = run.own_name(log, NAME, f"{NAME} (healed)")

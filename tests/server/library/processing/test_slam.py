@@ -20,8 +20,8 @@ from mapper.sensors.timed_poses import TimedPoses
 from mapper.simulation.lidar import SensorConfig
 from server.jobs.process import JobLimits
 from server.library.packs.graph import read_graph
-from server.library.processing.log_jobs import packed
-from server.library.processing.slam import SlamJob, SlamOutcome, read_progress
+from server.library.processing.log_jobs import packed, read_report
+from server.library.processing.slam import PartialPoses, SlamJob, SlamOutcome
 from server.parts.slam.loop_landscape import landscape_of
 from server.parts.slam.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
@@ -53,7 +53,7 @@ def test_it_leaves_a_trajectory_a_graph_and_how_far_it_is(tmp_path: Path, log: S
     assert before.contradicted is not None
     assert after.contradicted is not None
     assert after.contradicted < before.contradicted
-    progress = read_progress(tmp_path / "slam")
+    progress = read_report(tmp_path / "slam", PartialPoses)
     assert progress is not None
     assert 0.0 < progress.fraction <= 1.0
     assert len(progress.poses) <= log.n_scans
