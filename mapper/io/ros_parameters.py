@@ -103,8 +103,10 @@ def nodes_of(root: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], dict[st
     yield from made.items()
 
 
-def _nodes_below(given: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
-    for key, value in given.items():
+def _nodes_below(
+    parameters: Mapping[str, Any], path: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
+    for key, value in parameters.items():
         if not isinstance(value, dict):
             continue
         if key == "ros__parameters":
@@ -113,10 +115,10 @@ def _nodes_below(given: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[tu
             yield from _nodes_below(value, (*path, *(part for part in str(key).split("/") if part)))
 
 
-def _with_levels(given: Mapping[Any, Any], where: str) -> dict[str, Any]:
+def _with_levels(parameters: Mapping[Any, Any], where: str) -> dict[str, Any]:
     """Return parameters with a level for each dot in their names."""
     made: dict[str, Any] = {}
-    for name, value in given.items():
+    for name, value in parameters.items():
         inner = _with_levels(value, where) if isinstance(value, dict) else value
         first, *rest = str(name).split(".") if ".." not in f".{name}." else [str(name)]
         if len(rest) >= MAX_DEPTH:
@@ -215,7 +217,7 @@ def with_node(
 
 
 def _replaced(
-    given: Mapping[str, Any], path: tuple[str, ...], target: tuple[str, ...], parameters: Mapping[str, Any] | None
+    nodes: Mapping[str, Any], path: tuple[str, ...], target: tuple[str, ...], parameters: Mapping[str, Any] | None
 ) -> tuple[dict[str, Any], bool]:
     """Return a mapping with the parameters of the node ``target`` replaced where it stands first, and whether it does.
 
@@ -223,7 +225,7 @@ def _replaced(
     """
     made: dict[str, Any] = {}
     is_done = False
-    for key, value in given.items():
+    for key, value in nodes.items():
         if not isinstance(value, dict):
             made[key] = value
         elif key == "ros__parameters":

@@ -158,8 +158,8 @@ class Classes:
             raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
         if classroom.places_taken(self.most_of_address) >= self._max_followers or classroom.is_full:
             raise ClassBudgetError("class.crowded", "This class is full.")
-        given = classroom.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
-        if classroom.present_of(address) >= self.most_of_address or given:
+        is_greedy = classroom.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
+        if classroom.present_of(address) >= self.most_of_address or is_greedy:
             raise _crowded_address()
 
     @contextmanager

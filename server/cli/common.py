@@ -125,12 +125,12 @@ def _how_to_report(code: str) -> str:
 
 def _instead_of(path: Path, code: str) -> str | None:
     """Return what to do where a file that was read as no map, or as no cloud, is a log; None where it is none."""
-    wanted = next((text for begins, text in NOT_A_LOG.items() if code.startswith(begins)), None)
-    if wanted is None:
+    sentence = next((text for begins, text in NOT_A_LOG.items() if code.startswith(begins)), None)
+    if sentence is None:
         return None
     from mapper.io.logs import is_log  # noqa: PLC0415 - only on an error
 
-    return wanted.format(path=path) if is_log(path) else None
+    return sentence.format(path=path) if is_log(path) else None
 
 
 def print_json(values: Mapping[str, object]) -> None:
@@ -205,38 +205,40 @@ def set_values(rows: Mapping[str, Parameter], texts: Iterable[str], option: str 
 
     A name that is not in the table is returned with its text: the table refuses it.
     """
-    given: dict[str, object] = {}
+    values: dict[str, object] = {}
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals:
             fail(f"{option} needs NAME=VALUE, not {text!r:.80}.")
         name = name.strip().replace("-", "_")
-        given[name] = value_of(rows[name], value.strip()) if name in rows else value
-    return given
+        values[name] = value_of(rows[name], value.strip()) if name in rows else value
+    return values
 
 
 def given_parameters(values: Mapping[str, object], mount: str | None = None) -> dict[str, object]:
     """Return the given parameters, or end the command with an error."""
-    given: dict[str, object] = given_values(BY_NAME, values)
+    parameters: dict[str, object] = given_values(BY_NAME, values)
     if mount is not None:
-        given |= zip(MOUNT, numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True)
-    configured(given)
-    return given
+        parameters |= zip(
+            MOUNT, numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True
+        )
+    configured(parameters)
+    return parameters
 
 
-def configured(given: Mapping[str, object]) -> MappingConfig:
+def configured(values: Mapping[str, object]) -> MappingConfig:
     """Return the parameters with the given ones replaced, or end the command with an error."""
     try:
-        return MappingConfig().with_values(given)
+        return MappingConfig().with_values(values)
     except MapperError as error:
         fail(error.message)
 
 
 def given_cut(values: dict[str, object]) -> PlanarCut:
     """Take the options of planar cuts out of ``values``; return the cut, or end the command with an error."""
-    given = given_values(CUT_BY_NAME, {name: values.pop(name) for name in CUT_BY_NAME if name in values})
+    cut = given_values(CUT_BY_NAME, {name: values.pop(name) for name in CUT_BY_NAME if name in values})
     try:
-        return PlanarCut(**given)
+        return PlanarCut(**cut)
     except MapperError as error:
         fail(error.message)
 
@@ -246,14 +248,14 @@ def place(text: str) -> list[float]:
     return numbers("--at", "two numbers, X,Y in metres", 2, text)
 
 
-def numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
-    """Return the ``count`` numbers of an option, or end the command with an error that says what is ``wanted``."""
+def numbers(option: str, expected: str, count: int, text: str) -> list[float]:
+    """Return the ``count`` numbers of an option, or end the command with an error that says what is ``expected``."""
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
         values = []
     if len(values) != count:
-        fail(f"{option} needs {wanted}, not {text!r:.40}.")
+        fail(f"{option} needs {expected}, not {text!r:.40}.")
     return values
 
 

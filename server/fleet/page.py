@@ -156,9 +156,9 @@ def _card(result: Result, facts: MapFacts) -> str:
     file = f"maps/{result.key}.png"
     image = f'<a href="{file}"><img src="{file}" loading="lazy" alt="Map of {escape(_name(result))}"></a>'
     picture = image if facts.picture else ""
-    said = "".join(f"<li>{other}</li>" for other in others)
+    items = "".join(f"<li>{other}</li>" for other in others)
     title = f"{len(others)} more finding{'' if len(others) == 1 else 's'}"
-    more = f"<details><summary>{title}</summary><ul>{said}</ul></details>" if others else ""
+    more = f"<details><summary>{title}</summary><ul>{items}</ul></details>" if others else ""
     return (
         f'<li{data}>{picture}<div class="text"><p><a href="{escape(Path(result.log).as_uri())}">'
         f"{escape(_name(result))}</a></p>"

@@ -92,9 +92,9 @@ def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     with contextlib.suppress(ValueError, OSError):  # not every system can limit it
-        given = resource.getrlimit(resource.RLIMIT_AS)[1]
+        hard_limit = resource.getrlimit(resource.RLIMIT_AS)[1]
         # The limit of `ulimit -v` stays if it is the lower one: root could raise it.
-        most = memory_bytes if given == resource.RLIM_INFINITY else min(memory_bytes, given)
+        most = memory_bytes if hard_limit == resource.RLIM_INFINITY else min(memory_bytes, hard_limit)
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
@@ -137,10 +137,10 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
     """
     alarms = ((signal.SIGALRM, signal.ITIMER_REAL, timeout_s), (signal.SIGPROF, signal.ITIMER_PROF, cpu_s))
     used = resource.getrusage(resource.RUSAGE_SELF)
-    given = resource.getrlimit(resource.RLIMIT_CPU)
+    limits = resource.getrlimit(resource.RLIMIT_CPU)
     with contextlib.suppress(ValueError, OSError):
         last = math.ceil(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1  # whole seconds, as the kernel counts them
-        resource.setrlimit(resource.RLIMIT_CPU, (last, given[1]))
+        resource.setrlimit(resource.RLIMIT_CPU, (last, limits[1]))
     handlers = {number: signal.getsignal(number) for number, _, _ in alarms}
     try:
         for number, timer, seconds in alarms:
@@ -156,7 +156,7 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
         for number, handler in handlers.items():
             signal.signal(number, handler)
         with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_CPU, given)
+            resource.setrlimit(resource.RLIMIT_CPU, limits)
 
 
 def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = READING, code: str = "log") -> T:
@@ -185,6 +185,6 @@ def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> Lim
 def lower_priority() -> None:
     """Let the sessions be computed first; a process of a pool does it once."""
     if sys.platform == "linux":
-        wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
+        niceness = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
         with contextlib.suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))
+            os.setpriority(os.PRIO_PROCESS, 0, max(niceness, os.getpriority(os.PRIO_PROCESS, 0)))

@@ -56,7 +56,7 @@ class Puzzles:
         return RecipeSource(name)
 
     def _puzzle(
-        self, key: str, source: PuzzleSource, limits: Callable[[], Limits], wanted: Callable[[], bool], tell: Tell
+        self, key: str, source: PuzzleSource, limits: Callable[[], Limits], may_continue: Callable[[], bool], tell: Tell
     ) -> Puzzle:
         with self._lock:
             known = self._ready.get(key)
@@ -64,12 +64,12 @@ class Puzzles:
                 self._ready.move_to_end(key)
                 return known
         while not self._making.acquire(timeout=LOOK_S):
-            if not wanted():  # which lets the sessions compute that wait for this thread
+            if not may_continue():  # which lets the sessions compute that wait for this thread
                 raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
         try:
             with self._lock:
                 known = self._ready.get(key)
-            made = known or source.make(limits, wanted, tell)
+            made = known or source.make(limits, may_continue, tell)
         finally:
             self._making.release()
         with self._lock:

@@ -160,7 +160,7 @@ class SessionRegistry:
     async def create(
         self,
         kind: Kind,
-        wanted: SessionRequest,
+        request: SessionRequest,
         visitor: str,
         library: Library,
         *,
@@ -168,8 +168,8 @@ class SessionRegistry:
         place: str = "",
     ) -> SessionHost:
         """Begin the session that a visitor requested. Raises as the kind's plan and :meth:`begin`."""
-        with self.under_way.making(visitor, wanted.name) as making:
-            plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s, making))
+        with self.under_way.making(visitor, request.name) as making:
+            plan = await kind.plan(request, Resources(visitor, library, self._settings.max_story_s, making))
             return await self._begin(plan, visitor, making, address=address, place=place)
 
     async def begin(

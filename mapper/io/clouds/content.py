@@ -174,17 +174,17 @@ def made_cloud(
     if n == 0:
         raise ReadError("cloud.empty", "The file holds no points.")
     places = np.array(points, dtype=np.float64, order="C")
-    said = [*notes]
+    all_notes = [*notes]
     finite = np.asarray(np.isfinite(places).all(axis=1))
     if not finite.any():
         raise ReadError("cloud.no_places", f"None of the {n} points is finite.")
     if not finite.all():
         first = int(np.argmin(finite))
-        said.append(f"{n - int(finite.sum())} of {n} points are not finite, the first at index {first}.")
+        all_notes.append(f"{n - int(finite.sum())} of {n} points are not finite, the first at index {first}.")
     far: NDArray[np.bool_] = np.abs(np.where(finite[:, np.newaxis], places, 0.0)).max(axis=1) > limits.max_coordinate
     if far.any():
         first = int(np.argmax(far))
-        said.append(
+        all_notes.append(
             f"{int(far.sum())} of {n} points are more than {limits.max_coordinate:g} m from the origin and are left "
             f"out, the first at index {first}: {', '.join(f'{value:g}' for value in places[first])}."
         )
@@ -198,9 +198,9 @@ def made_cloud(
         farthest = np.float32(np.nanmax(np.where(finite[:, np.newaxis], np.abs(places), 0.0)))
         step = float(np.spacing(farthest))
         if step > COARSE_STEP_M:
-            said.append(
+            all_notes.append(
                 f"The coordinates are 32-bit numbers: at {farthest:.0f} m they have steps of {step:g} m. Subtract an "
                 "offset before saving, or save them as 64-bit numbers, to keep what is finer."
             )
     fields = standard_fields(columns)
-    return PointCloud(places, 0, "", shape, fields, times_of(fields, 0), sensor_pose, tuple(said))
+    return PointCloud(places, 0, "", shape, fields, times_of(fields, 0), sensor_pose, tuple(all_notes))

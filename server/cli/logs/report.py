@@ -66,8 +66,8 @@ def report(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Write a report on a log: facts, events, findings, maps, drift, a picture, notes, parameters and versions."""
-    given = given_parameters(parameters, mount)
-    config = configured(given)
+    values = given_parameters(parameters, mount)
+    config = configured(values)
     scans = read_joint(log, topic or (), tum_trajectory, tf)
     name = trajectory or (list(scans.trajectories)[-1] if tum_trajectory is not None else scans.default_trajectory)
     if slam:
@@ -77,7 +77,7 @@ def report(
     with refusing(log), progress_bar("Examining") as bar:
         corrected = with_corrections(log, scans, replace(config, time_offset=0.0))
         diagnosis = diagnose(corrected, name, bar, time_offset=config.time_offset)
-        shown = config.with_values(recorded_defaults(scans.beam_width, given))
+        shown = config.with_values(recorded_defaults(scans.beam_width, values))
         made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events), notes=placed)
         page = report_page(made)
         data = report_pdf(page) if out.suffix.lower() == ".pdf" else page.encode()

@@ -68,9 +68,9 @@ def path(
         with refusing(params):
             root = parse_ros_parameters(read_parameter_file(params))
             parameters, nav2 = costmap_of(root), path_of(root)
-    given: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
+    options: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
     try:
-        config = replace(nav2.planner, **{name: value for name, value in given.items() if value is not None})
+        config = replace(nav2.planner, **{name: value for name, value in options.items() if value is not None})
     except MapperError as error:
         fail(error.message)
     with refusing(map_yaml):

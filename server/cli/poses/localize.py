@@ -178,9 +178,9 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
         config, notes = read.config, [*read.notes]
         if read.ignored:
             notes.append(f"Of the parameters, these say nothing about where the robot is: {', '.join(read.ignored)}.")
-    given = set_values({row.name: row for row in PARAMETERS}, values)
+    typed = set_values({row.name: row for row in PARAMETERS}, values)
     try:
-        return config.with_values(given), notes
+        return config.with_values(typed), notes
     except MapperError as error:
         fail(error.message)
 

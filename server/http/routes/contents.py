@@ -525,8 +525,8 @@ async def frame_age(
 ) -> Response:
     """Return the age of a transform that moves over the time of the log, seconds: it grows until the next one comes."""
     held = await look_into(request, sessions, library, visitor, session_id)
-    wanted = (tf, parent, child)
-    edge = next((edge for edge in held.contents.edges if (edge.topic, edge.parent, edge.child) == wanted), None)
+    key = (tf, parent, child)
+    edge = next((edge for edge in held.contents.edges if (edge.topic, edge.parent, edge.child) == key), None)
     if edge is None or edge.is_static:
         raise MapperError("contents.no_edge", f"No transforms from {child!r} to {parent!r} move on {tf!r:.200}.")
     until_ns = int(held.recording.log.stamps_ns.max(initial=held.origin_ns))

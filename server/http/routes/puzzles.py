@@ -113,7 +113,7 @@ async def picture(puzzle: str, *, dark: bool = False) -> Response:
 
 @router.post("/api/sessions/{session_id}/puzzles", status_code=201)
 async def make(
-    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: NewPuzzle
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, body: NewPuzzle
 ) -> MadePuzzleAnswer:
     """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
     await imported("server.puzzles.spec")
@@ -130,15 +130,15 @@ async def make(
             raise MapperError("session.not_yours", "A puzzle is made by the visitor who began the session.")
         history = await replayable.present_history()
         cone = history.sensor.get("kind") == "sonar_ring"
-        text, record = spec_text(spec_of_world(history, wanted.fault, seed, cone=cone)), None
+        text, record = spec_text(spec_of_world(history, body.fault, seed, cone=cone)), None
     else:
         of_log = writable_session(sessions, session_id)
         record = library.get(of_log.owner, of_log.log_id)
         recording, seen = of_log.recording, of_log.recording.view()
         first = recording.first_config()
         values = changed_values(first.with_values(seen.values or {}), first)
-        text = spec_text(spec_of_log(seen, values, wanted.fault, seed, cone=recording.log.beam_width > 0.0))
-    title = wanted.title.strip() or session.model.title
+        text = spec_text(spec_of_log(seen, values, body.fault, seed, cone=recording.log.beam_width > 0.0))
+    title = body.title.strip() or session.model.title
     return _public(await library.puzzles.make(session.owner, record, title, text))
 
 
@@ -268,10 +268,10 @@ async def attempt(puzzles: AllPuzzles, session_id: str) -> Attempt:
 
 @router.post("/api/sessions/{session_id}/puzzle/answer")
 @guests_may(GuestRight.LINKED_SESSION)
-async def answer(puzzles: AllPuzzles, session_id: str, given: AttemptAnswer) -> Attempt:
+async def answer(puzzles: AllPuzzles, session_id: str, body: AttemptAnswer) -> Attempt:
     """Name the cause; answer as GET does."""
     game = puzzles.game(session_id)
-    game.answer(given.cause)
+    game.answer(body.cause)
     return game.public()
 
 

@@ -92,8 +92,8 @@ class LocalizeJob(BoundedJob[LocalizeOutcome]):
         from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
 
         log = log_in(self.pack)
-        given = read_reference_map(Path(self.given))
-        grid = grid_of_values(given.geometry, given.values)
+        reference = read_reference_map(Path(self.given))
+        grid = grid_of_values(reference.geometry, reference.values)
         watch = _Watch(self.out, log.n_scans)
         localized = localization.localize_log(
             as_mapped(log, MappingConfig().with_values(self.mapping)),
@@ -106,7 +106,7 @@ class LocalizeJob(BoundedJob[LocalizeOutcome]):
         offsets, particles = thinned(watch.clouds)
         states = FilterStates(
             localized.covariance, localized.is_converged, localized.is_sure, localized.is_updated, localized.share,
-            localized.fit, localized.entropy, localized.n_particles, offsets, particles, given,
+            localized.fit, localized.entropy, localized.n_particles, offsets, particles, reference,
         )  # fmt: skip
         log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(localized.poses, from_scans=True)})
         Path(self.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
@@ -114,7 +114,7 @@ class LocalizeJob(BoundedJob[LocalizeOutcome]):
         process.note_progress(1.0)
         used = localized.fit[localized.is_updated]
         return LocalizeOutcome(
-            given.title, localized.odometry, localized.first_converged,
+            reference.title, localized.odometry, localized.first_converged,
             int(localized.is_converged.sum()), bool(localized.is_converged[-1]),
             len(used), float(np.median(used)) if len(used) else 0.0, localized.cpu_seconds,
             int(localized.is_sure.sum()), bool(localized.is_sure[-1]), int((~localized.is_known).sum()),
@@ -236,9 +236,9 @@ class LocalizationKind:
     def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs
         """Return a request with the values that differ from the first ones."""
         request.check()
-        wanted, first = request.parameters, localization.LocalizationConfig()
-        values = changed_values(first.with_values(wanted.values), first)
-        return replace(request, parameters=replace(wanted, values=values))
+        parameters, first = request.parameters, localization.LocalizationConfig()
+        values = changed_values(first.with_values(parameters.values), first)
+        return replace(request, parameters=replace(parameters, values=values))
 
     def others(self, request: LocalizationRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
         """Return no log: the map is a file of its own."""
@@ -268,18 +268,17 @@ class LocalizationKind:
 
         Raises :class:`ConfigError` where no map was chosen.
         """
-        wanted = run.request
-        log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
-        pack, given = await run.packed(log, "log.npz"), run.folder / "map.npz"
+        request = run.request
+        log = await run.load(run.log_id, request.topic, request.cut, request.trajectory)
+        pack, map_file = await run.packed(log, "log.npz"), run.folder / "map.npz"
         try:
-            await asyncio.to_thread(shutil.copyfile, await self._maps.newest(run.owner, run.log_id), given)
+            await asyncio.to_thread(shutil.copyfile, await self._maps.newest(run.owner, run.log_id), map_file)
         except FileNotFoundError:
             raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None
-        pose = wanted.parameters.initial_pose
+        pose, values = request.parameters.initial_pose, request.parameters.values
         job = LocalizeJob(
-            pack, str(given), str(run.out), wanted.trajectory, pose, wanted.parameters.values, wanted.mapping or {},
-            run.limits,
-        )  # fmt: skip
+            pack, str(map_file), str(run.out), request.trajectory, pose, values, request.mapping or {}, run.limits
+        )
         outcome = await run.follow(job, lambda out: read_report(out, LocalizeProgress))
         name = run.own_name(log, NAME, f"{NAME} in a map")
         first = outcome.first_converged
@@ -287,9 +286,9 @@ class LocalizationKind:
         if first is not None and not outcome.is_sure:
             when += ", not sure of the place at the end"
         start = "anywhere" if pose is None else "a given pose"
-        said = f"localized in {outcome.map_title} by the poses of {outcome.odometry}, from {start}, {when}"
+        description = f"localized in {outcome.map_title} by the poses of {outcome.odometry}, from {start}, {when}"
         text, states = await run.made(TUM), await run.made(FILTER_STATES)
-        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, filter_states=states))
+        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", description, filter_states=states))
         rounded = replace(outcome, cpu_s=round(outcome.cpu_s, 2), median_fit=round(outcome.median_fit, 4))
         return LocalizationResult(**asdict(rounded), trajectory=name)
 

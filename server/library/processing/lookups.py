@@ -50,13 +50,13 @@ class Lookups(Generic[T]):
         """
         running = self._running.get(key)
         if running is None:
-            kept = self._kept.get(key)
-            if kept is None and stored is not None:
-                kept = await stored()
-            if kept is None:
+            value = self._kept.get(key)
+            if value is None and stored is not None:
+                value = await stored()
+            if value is None:
                 return self._begin(key, record, visitor, address, job)
-            self._keep(key, kept)
-            return kept
+            self._keep(key, value)
+            return value
         if running.task.done():
             del self._running[key]
             running.timer.cancel()

@@ -178,24 +178,24 @@ class MergeKind:
 
     async def run(self, run: Run[MergeRequest, MergeReport]) -> MergeResult:
         """Merge two logs, add a trajectory to each, and store a log of both."""
-        wanted, ids = run.request, (run.log_id, run.request.other)
-        first = await run.load(run.log_id, wanted.topic, wanted.cut)
-        second = await run.load(ids[1], wanted.other_topic, wanted.other_cut)
+        request, ids = run.request, (run.log_id, run.request.other)
+        first = await run.load(run.log_id, request.topic, request.cut)
+        second = await run.load(ids[1], request.other_topic, request.other_cut)
         packs = (
-            await run.packed(_as_mapped(first, wanted.mapping), "first.npz"),
-            await run.packed(_as_mapped(second, wanted.other_mapping), "second.npz"),
+            await run.packed(_as_mapped(first, request.mapping), "first.npz"),
+            await run.packed(_as_mapped(second, request.other_mapping), "second.npz"),
         )
         job = MergeJob(*packs, str(run.out), run.limits)
         outcome = await run.follow(job, lambda out: _report(out, run.worker.progress))
         texts = [await run.made(ending) for ending in ENDINGS]
         names = [run.logs.get(run.owner, log_id).name for log_id in ids]
         for log_id, log, text, other in zip(ids, (first, second), texts, reversed(names), strict=True):
-            said = f"poses in one frame with those of {other}, with {outcome.loops} loops between the two logs"
-            await run.add(log_id, log, NewTrajectory(NAME, text, "slam", said))
+            description = f"poses in one frame with those of {other}, with {outcome.loops} loops between the two logs"
+            await run.add(log_id, log, NewTrajectory(NAME, text, "slam", description))
         both = await run.logs.put(run.owner, _name_of_both(names), _pieces(run.out.with_name(run.out.name + LOG)))
-        said = f"SLAM of {names[0]} and {names[1]}, with {outcome.loops} loops between the two logs"
+        description = f"SLAM of {names[0]} and {names[1]}, with {outcome.loops} loops between the two logs"
         log = await run.logs.load(run.owner, both.id, outcome.topic)
-        new = NewTrajectory(SLAM, await run.made(BOTH), "slam", said, await run.made(GRAPH))
+        new = NewTrajectory(SLAM, await run.made(BOTH), "slam", description, await run.made(GRAPH))
         await run.add(both.id, log, new)
         return MergeResult(**asdict(outcome), trajectory=NAME, log=both.id, name=both.name)
 

@@ -113,11 +113,11 @@ def _read_map(job: Job) -> LogSummary:
     """Read map files."""
     from server.library.packs.map import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
 
-    given = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
+    reference = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
     note_progress(1.0)
-    _pack(job, given.write)
-    _draw(job, lambda: map_codes(given))
-    return summarise_map(given)
+    _pack(job, reference.write)
+    _draw(job, lambda: map_codes(reference))
+    return summarise_map(reference)
 
 
 def _pack(job: Job, write: Callable[[Path], None]) -> None:

@@ -53,20 +53,20 @@ class ReferenceMapJob(BoundedJob[ReferenceMap]):
 
     def compute(self) -> ReferenceMap:
         """Return the map. Raises :class:`mapper.core.errors.MapperError` for a file that is no map."""
-        given = (
+        reference = (
             read_map(Path(self.source), self.title, Path(self.out).parent)
             if self.trajectory is None
             else _of_log(self, self.trajectory)
         )
-        if given.values.size > MOST_CELLS:
+        if reference.values.size > MOST_CELLS:
             raise LimitError(
-                "map.cells", f"The map has {given.values.size:,} cells; at most {MOST_CELLS:,} are used here."
+                "map.cells", f"The map has {reference.values.size:,} cells; at most {MOST_CELLS:,} are used here."
             )
-        if not (given.values >= 0).any():
+        if not (reference.values >= 0).any():
             raise ReadError("map.empty", "The map has no known cells: nothing can be localized in it.")
-        given.write(Path(self.out))
+        reference.write(Path(self.out))
         process.note_progress(1.0)
-        return given
+        return reference
 
 
 def _of_log(job: ReferenceMapJob, trajectory: str) -> ReferenceMap:
@@ -145,9 +145,9 @@ class ReferenceMaps:
         Raises :class:`LimitError`, and as the library for logs that the owner may not open.
         """
         self._logs.get(owner, log_id)
-        kept = await self._logs.reference_map(owner, other)
-        if kept is not None:
-            return await self._keep(owner, log_id, kept)
+        reference = await self._logs.reference_map(owner, other)
+        if reference is not None:
+            return await self._keep(owner, log_id, reference)
         log = await self._logs.load(owner, other, topic)
         name = trajectory or log.default_trajectory
         log.trajectory(name)
@@ -194,15 +194,15 @@ class ReferenceMaps:
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
 
-    async def _keep(self, owner: str, log_id: str, given: ReferenceMap) -> ReferenceMap:
+    async def _keep(self, owner: str, log_id: str, reference: ReferenceMap) -> ReferenceMap:
         """Choose a map of the library."""
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
         try:
-            await asyncio.to_thread(given.write, fresh)
+            await asyncio.to_thread(reference.write, fresh)
             await self._put(owner, log_id, fresh)
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
-        return given
+        return reference
 
     async def _put(self, owner: str, log_id: str, fresh: Path) -> None:
         """Keep the file ``fresh`` as the map that was chosen, here and in the store."""

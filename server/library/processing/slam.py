@@ -210,17 +210,17 @@ class SlamKind:
 
     async def run(self, run: Run[SlamRequest, PartialPoses]) -> SlamResult:
         """Correct the poses of a log, and add them to it with their graph."""
-        wanted = run.request
-        log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
+        request = run.request
+        log = await run.load(run.log_id, request.topic, request.cut, request.trajectory)
         pack = await run.packed(log, "log.npz")
-        job = SlamJob(pack, str(run.out), wanted.trajectory, wanted.parameters, wanted.mapping or {}, run.limits)
+        job = SlamJob(pack, str(run.out), request.trajectory, request.parameters, request.mapping or {}, run.limits)
         outcome = await run.follow(job, lambda out: read_report(out, PartialPoses))
         start = "the scans alone" if outcome.odometry is None else f"the poses of {outcome.odometry}"
         loops = "1 loop" if outcome.loops == 1 else f"{outcome.loops} loops"
         name = run.own_name(log, NAME, f"{NAME} (healed)")
-        said = f"poses corrected by SLAM, from {start}, with {loops}"
+        description = f"poses corrected by SLAM, from {start}, with {loops}"
         text, graph = await run.made(TUM), await run.made(GRAPH)
-        await run.add(run.log_id, log, NewTrajectory(name, text, "slam", said, graph))
+        await run.add(run.log_id, log, NewTrajectory(name, text, "slam", description, graph))
         before, after = outcome.before, outcome.after
         return SlamResult(
             trajectory=name,

@@ -233,12 +233,12 @@ class _Mcap:
         once, for they say what is wanted.
         """
         section = Section(self.stream, head.data_bytes)
-        wanted: list[bytes] = []
+        records: list[bytes] = []
         held = 0
         is_cut = is_damaged = False
         try:
             for message in self._wanted_of(section):
-                wanted.append(message)
+                records.append(message)
                 held += len(message)
                 if held > self.limits.max_chunk_bytes:
                     raise LimitError(
@@ -254,7 +254,7 @@ class _Mcap:
         if not is_cut and section.crc is not None and head.crc not in (0, section.crc):
             self._note_checksum(head)
             return
-        for message in wanted:
+        for message in records:
             self._content(Opcode.MESSAGE, message, 0, len(message))
         if is_cut:
             raise CutError
