@@ -192,6 +192,6 @@ def within(row: Parameter, value: object, where: str, notes: list[str]) -> objec
     nearest = row.high if value > row.high else row.low if value < row.low < 0.0 else value
     if nearest != value:
         beyond = "more than" if value > row.high else "less than"
-        taken = f"{nearest:g} {row.unit}".rstrip()
-        notes.append(f"{where} is {value:g}, {beyond} is computed with here: {taken} is taken.")
+        used = f"{nearest:g} {row.unit}".rstrip()
+        notes.append(f"{where} is {value:g}, {beyond} is computed with here: {used} is taken.")
     return nearest

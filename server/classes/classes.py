@@ -119,8 +119,8 @@ class Classes:
         code = new_code()
         while code in self._classes or not self._is_own(code):
             code = new_code()
-        made = self._classes[code] = Classroom(code, owner, self._clock)
-        return made
+        classroom = self._classes[code] = Classroom(code, owner, self._clock)
+        return classroom
 
     def find(self, code: str) -> Classroom | None:
         """Return a class, None if there is none."""

@@ -216,8 +216,8 @@ class Library:
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        taken = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
-        return self._limits.max_total_bytes - taken
+        used = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
+        return self._limits.max_total_bytes - used
 
     # -- uploads ------------------------------------------------------------------------------------------------
 

@@ -69,14 +69,14 @@ class Puzzles:
         try:
             with self._lock:
                 known = self._ready.get(key)
-            made = known or source.make(limits, may_continue, tell)
+            puzzle = known or source.make(limits, may_continue, tell)
         finally:
             self._making.release()
         with self._lock:
-            self._ready[key] = made
+            self._ready[key] = puzzle
             while len(self._ready) > KEPT:
                 self._ready.popitem(last=False)
-        return made
+        return puzzle
 
     def plan(self, key: str, source: PuzzleSource, title: str, name: str | None) -> Plan:
         """Return the plan of a session that shows a puzzle: the whole map, paused."""

@@ -262,8 +262,8 @@ class SessionRegistry:
         others, elsewhere = [s for s in self._sessions.copy().values() if s is not session], self._others()
         room = self._settings.max_total_cells - elsewhere.cells - sum(s.cells for s in others)
         if guest:  # all guests together have at most half of the cells
-            taken = elsewhere.guests_cells + sum(s.cells for s in others if s.link is not None)
-            room = min(room, self._settings.max_total_cells // 2 - taken)
+            used = elsewhere.guests_cells + sum(s.cells for s in others if s.link is not None)
+            room = min(room, self._settings.max_total_cells // 2 - used)
         if owner is not None:  # one visitor has at most half, but at least one grid of the largest size
             share = max(self._settings.max_total_cells // 2, self._settings.max_cells)
             room = min(room, share - sum(s.cells for s in others if s.owner == owner))

@@ -96,9 +96,9 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
             more = f"; as it seems it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
         message = f"The parameter file has no costmap: no {nodes} with ros__parameters{more}"
         raise ReadError("nav2.no_costmap", message)
-    made = _Reader(root, *block).read()
+    costmap = _Reader(root, *block).read()
     of_file = root.notes if isinstance(root, ParameterFile) else ()
-    return replace(made, notes=(*of_file, *note_on_others(root, block[0]), *made.notes))
+    return replace(costmap, notes=(*of_file, *note_on_others(root, block[0]), *costmap.notes))
 
 
 def _keys(parameters: Mapping[Any, Any]) -> Iterator[str]:
@@ -148,11 +148,11 @@ class _Reader:
                 self._skip(name, block, None, "is no filter that is built here")
             else:
                 filters.append(named_filter(self.root, name, block, f"{self.node}.{name}", None, self.notes))
-        made = self._stack(blocks, general, of_static)
-        made = replace(made, footprint=footprint, filters=(*filters, *made.filters))
-        if sum(1 for _ in made.all_layers()) > MAX_LAYERS:
+        costmap = self._stack(blocks, general, of_static)
+        costmap = replace(costmap, footprint=footprint, filters=(*filters, *costmap.filters))
+        if sum(1 for _ in costmap.all_layers()) > MAX_LAYERS:
             raise ConfigError("nav2.plugins", f"{self.node} must have at most {MAX_LAYERS} layers.")
-        return replace(made, notes=(*self.notes, *_warnings(made)))
+        return replace(costmap, notes=(*self.notes, *_warnings(costmap)))
 
     def _stack(
         self, blocks: Mapping[str, dict[str, Any]], general: CostmapConfig, of_static: Mapping[str, Any]
@@ -223,12 +223,12 @@ class _Reader:
             {(key,): own.pop(key) for key in [key for key, value in own.items() if isinstance(value, dict)]}
         )
         _name_combination(own, where)
-        made: ContainerConfig = inside._config(
+        container: ContainerConfig = inside._config(
             ContainerConfig(inside._stack(blocks, general, of_static)),
             table_of(ContainerConfig), own, (where,), LAYERS[CONTAINER],
         )  # fmt: skip
         self.notes += inside.notes
-        return made
+        return container
 
     def _skip(self, name: str, block: Mapping[str, Any], below: int | None, why: str) -> None:
         self.skipped.append(SkippedLayer(name, block, below))
@@ -281,16 +281,16 @@ class _Reader:
 
     def _renamed(self, block: Mapping[str, Any], where: str) -> dict[str, Any]:
         """Return the parameters with the present names of those that had another one."""
-        made = {**block}
+        renamed = {**block}
         for old in [name for name in block if name in RENAMED]:
             new, release = RENAMED[old]
-            value = made.pop(old)
-            made.setdefault(new, value)
+            value = renamed.pop(old)
+            renamed.setdefault(new, value)
             self.notes.append(
                 f"{where}.{old} is named {new} since {release}; "
                 + ("its value is read as that." if new not in block else f"{new} is given too, and counts.")
             )
-        return made
+        return renamed
 
     def _of_sources(self, blocks: list[tuple[str, dict[str, Any]]], path: tuple[str, str]) -> tuple[NamedSource, ...]:
         """Return the sources of observations of a layer, each with its own parameters."""
@@ -410,16 +410,16 @@ def _footprint(value: object, where: str, notes: list[str]) -> Footprint | None:
     if not isinstance(points, list):
         raise ConfigError("nav2.footprint", f"{where}.footprint: {value!r:.80} is not a list of points.")
     try:
-        made = Footprint(tuple(tuple(point) for point in points))
+        footprint = Footprint(tuple(tuple(point) for point in points))
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
-    if not made.holds_origin:
+    if not footprint.holds_origin:
         notes.append(
             f"{where}.footprint does not hold (0, 0), about which the robot turns. As in Nav2 it is taken as it is: "
             "the inscribed radius is the distance from there to the outline."
         )
-    return made
+    return footprint
 
 
 def _points_of(text: str) -> list[Any] | None:

@@ -42,24 +42,24 @@ def standard_fields(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[An
     """
     left = dict(columns)
     lower = {name.lower(): name for name in reversed(left)}  # of two that differ in case, the first
-    made: dict[str, NDArray[Any]] = {}
+    standard: dict[str, NDArray[Any]] = {}
     for parts in NORMALS:
         if all(part in lower for part in parts):
-            made["normals"] = np.stack([left.pop(lower.pop(part)) for part in parts], axis=1).astype(np.float64)
+            standard["normals"] = np.stack([left.pop(lower.pop(part)) for part in parts], axis=1).astype(np.float64)
             break
     for parts in COLOURS:
         if all(part in lower for part in parts):
-            made["rgb"] = _bytes_of(np.stack([left.pop(lower.pop(part)) for part in parts], axis=1))
+            standard["rgb"] = _bytes_of(np.stack([left.pop(lower.pop(part)) for part in parts], axis=1))
             break
     else:
         packed = next((lower[name] for name in PACKED if name in lower and _is_packed(left[lower[name]])), None)
         if packed is not None:
-            made["rgb"] = _unpacked(left.pop(packed))
+            standard["rgb"] = _unpacked(left.pop(packed))
     for name, others in NAMES.items():
         known = next((lower[other] for other in others if other in lower and left[lower[other]].ndim == 1), None)
         if known is not None:
-            made[name] = left.pop(known)
-    return {**left, **made}
+            standard[name] = left.pop(known)
+    return {**left, **standard}
 
 
 def _is_packed(column: NDArray[Any]) -> bool:

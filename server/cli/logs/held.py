@@ -44,26 +44,26 @@ class ImuFacts(Struct):
     mount: list[float] | None
 
 
-def print_held(path: Path, held: Held, *, as_json: bool) -> None:
+def print_held(path: Path, content: Held, *, as_json: bool) -> None:
     """Print a recording that has no scans."""
-    clouds, imus = clouds_facts(held.clouds), imus_facts(held.imus)
-    notes = [*([held.no_scans] if held.no_scans else []), *held.contents.notes]
+    clouds, imus = clouds_facts(content.clouds), imus_facts(content.imus)
+    notes = [*([content.no_scans] if content.no_scans else []), *content.contents.notes]
     if as_json:
         print_json(
             {
                 "name": path.name,
-                "format": held.format,
+                "format": content.format,
                 "scans": 0,
-                "contents": contents_facts(held.contents.topics),
+                "contents": contents_facts(content.contents.topics),
                 "clouds": to_builtins(clouds),
                 "imus": to_builtins(imus),
                 "notes": notes,
             }
         )
         return
-    typer.echo(f"{path.name}: {held.format}")
+    typer.echo(f"{path.name}: {content.format}")
     typer.echo("  no scans of which a map can be made")
-    for topic in held.contents.topics:
+    for topic in content.contents.topics:
         typer.echo(f"    {topic_line(topic)}")
     for line in (*map(stream_line, clouds), *map(stream_line, imus)):
         typer.echo(f"  {line}")

@@ -189,10 +189,10 @@ def _read(
         try:
             robot, contents = open_inspected(log, selection=Selection.of(topic, tf=tf), progress=bar)
         except ReadError as error:
-            held = open_held(log) if error.code == "log.no_scans" and topic is None else None
-            if held is None or not held.contents.topics:
+            content = open_held(log) if error.code == "log.no_scans" and topic is None else None
+            if content is None or not content.contents.topics:
                 raise
-            return replace(held, no_scans=error.message)
+            return replace(content, no_scans=error.message)
         return robot, contents.topics
 
 

@@ -78,8 +78,10 @@ def report(
         corrected = with_corrections(log, scans, replace(config, time_offset=0.0))
         diagnosis = diagnose(corrected, name, bar, time_offset=config.time_offset)
         shown = config.with_values(recorded_defaults(scans.beam_width, values))
-        made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events), notes=placed)
-        page = report_page(made)
+        content = make_report(
+            scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events), notes=placed
+        )
+        page = report_page(content)
         data = report_pdf(page) if out.suffix.lower() == ".pdf" else page.encode()
     with output_file(out) as file:
         file.write(data)

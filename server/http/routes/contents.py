@@ -267,10 +267,10 @@ async def picture(
     owner = owner_of(sessions, library, session_id)
     address = client_address(request)
     making = library.picture(owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=address)
-    made = await while_connected(request, making)
-    seconds = held.seconds(made.stamp_ns - ahead_ns)
+    moment_picture = await while_connected(request, making)
+    seconds = held.seconds(moment_picture.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
-    return Response(made.data, media_type=made.media_type, headers=headers)
+    return Response(moment_picture.data, media_type=moment_picture.media_type, headers=headers)
 
 
 @dataclass(frozen=True, slots=True)

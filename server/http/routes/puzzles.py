@@ -81,11 +81,11 @@ class SharedPuzzle:
     title: str
 
 
-def _public(made: MadePuzzle) -> MadePuzzleAnswer:
+def _public(puzzle: MadePuzzle) -> MadePuzzleAnswer:
     from server.puzzles.spec import spec_from_text  # noqa: PLC0415 - imported with the first puzzle
 
-    cause = spec_from_text(made.spec).cause
-    return MadePuzzleAnswer(made.token, f"/puzzle/{made.token}", made.title, made.created_s, cause)
+    cause = spec_from_text(puzzle.spec).cause
+    return MadePuzzleAnswer(puzzle.token, f"/puzzle/{puzzle.token}", puzzle.title, puzzle.created_s, cause)
 
 
 # -- which there are, and those that a visitor makes ---------------------------------------------------------------
@@ -95,7 +95,7 @@ def _public(made: MadePuzzle) -> MadePuzzleAnswer:
 async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> PuzzleList:
     """Return the puzzles that come with the program, the faults that can be added, and this visitor's own puzzles."""
     await imported("server.puzzles.spec")
-    return PuzzleList(puzzles.offered(), puzzles.faults(), [_public(made) for made in library.puzzles.of(visitor)])
+    return PuzzleList(puzzles.offered(), puzzles.faults(), [_public(puzzle) for puzzle in library.puzzles.of(visitor)])
 
 
 @router.get("/api/puzzles/{puzzle}/map.png", **file_answer("image/png"))
@@ -184,16 +184,16 @@ async def begin_puzzle(
         recipe = RECIPES[key]
         source, title, story, level = puzzles.recipe(key), recipe.title, recipe.story, recipe.level
     else:
-        made = library.puzzles.get(key)
-        title, story, level, spec = made.title, "", 0, spec_from_text(made.spec)
+        puzzle = library.puzzles.get(key)
+        title, story, level, spec = puzzle.title, "", 0, spec_from_text(puzzle.spec)
         if isinstance(spec, WorldSpec):
             source = WorldSource(spec)
         else:
-            if made.log_id is None:
+            if puzzle.log_id is None:
                 raise PuzzleGoneError("puzzle.gone", "The log of this puzzle no longer exists.")
             view = spec.view
             cut = PlanarCut.of(view.cut or {})
-            source = LogSource(spec, await library.load(made.owner, made.log_id, view.topic, cut))
+            source = LogSource(spec, await library.load(puzzle.owner, puzzle.log_id, view.topic, cut))
     plan = puzzles.plan(key, source, title, name)
 
     async def begun() -> SessionHost:

@@ -188,9 +188,9 @@ class ReferenceMaps:
         try:
             async with self._turns.of(owner, address):
                 worker = self._worker = self._worker or self._make_worker()
-                made = await outcome_of(worker, job)
+                reference = await outcome_of(worker, job)
             await self._put(owner, log_id, fresh)
-            return made
+            return reference
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
 

@@ -131,10 +131,10 @@ async def map_of_log(request: Request, library: Logs, sessions: Sessions, sessio
     """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
     of_log = writable_session(sessions, session_id)
     _check_idle(library, of_log.owner, of_log.log_id)
-    made = await library.maps.of_log(
+    reference = await library.maps.of_log(
         of_log.owner, of_log.log_id, body.log, body.topic, body.trajectory, address=client_address(request)
     )
-    return _show(of_log.session, made)
+    return _show(of_log.session, reference)
 
 
 @router.put("/sessions/{session_id}/localization/map-files", openapi_extra=FILE_BODY)
@@ -152,12 +152,12 @@ async def map_of_files(
     of_log = writable_session(sessions, session_id)
     _check_idle(library, of_log.owner, of_log.log_id)
     try:
-        made = await library.choose_map(
+        reference = await library.choose_map(
             of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
         )
     except ClientDisconnect:
         return ChosenMap(None)  # the client has gone
-    return _show(of_log.session, made)
+    return _show(of_log.session, reference)
 
 
 @router.get("/sessions/{session_id}/localization/map")

@@ -234,13 +234,13 @@ class _Mcap:
         """
         section = Section(self.stream, head.data_bytes)
         records: list[bytes] = []
-        held = 0
+        size = 0
         is_cut = is_damaged = False
         try:
             for message in self._wanted_of(section):
                 records.append(message)
-                held += len(message)
-                if held > self.limits.max_chunk_bytes:
+                size += len(message)
+                if size > self.limits.max_chunk_bytes:
                     raise LimitError(
                         "log.chunk_too_large",
                         f"The chunk at byte {head.at} has more than the limit of {self.limits.max_chunk_bytes} bytes.",

@@ -169,10 +169,10 @@ class _Grouping:
         _, group_of_scan = np.unique(keys, axis=0, return_inverse=True)
         group_of_scan = group_of_scan.reshape(-1)
         counts = np.bincount(group_of_scan)
-        made = [self._group(np.flatnonzero(group_of_scan == k), ranges) for k in np.argsort(-counts, kind="stable")]
-        if len(made) > 1:
-            self.notes.append(self._note_on_groups(made))
-        return made, self.notes
+        groups = [self._group(np.flatnonzero(group_of_scan == k), ranges) for k in np.argsort(-counts, kind="stable")]
+        if len(groups) > 1:
+            self.notes.append(self._note_on_groups(groups))
+        return groups, self.notes
 
     def _padded(self) -> NDArray[np.float32]:
         """Return all readings (n_scans, most beams), NaN behind the last of a scan with fewer."""

@@ -235,10 +235,10 @@ def _without_poses(*, is_any: bool, refused: str, unused: str) -> str:
         return f"None of the file’s poses can be used ({refused}), so {_FROM_ONE_PLACE}."
     if is_any:
         return f"None of the file’s poses can be used, so {_FROM_ONE_PLACE}."
-    held = f"no poses along which the robot moved ({unused})" if unused else "no poses"
+    content = f"no poses along which the robot moved ({unused})" if unused else "no poses"
     return (
-        f"The file holds {held}, so {_FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "
-        "scans."
+        f"The file holds {content}, so {_FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with "
+        "the scans."
     )
 
 

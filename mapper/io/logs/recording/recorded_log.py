@@ -123,23 +123,23 @@ class RecordedLog:
             stream.kind in PREFERENCE and stream.count and not selection.wants(stream.topic) for stream in streams
         ):
             return self._without_topic(selection.topics[0])
-        held = "it holds no messages"
+        content = "it holds no messages"
         if self._bad:
-            held = f"messages that could not be read: {listed(self._bad)}"
+            content = f"messages that could not be read: {listed(self._bad)}"
         elif streams and not any(stream.count for stream in streams):
             topics = listed(sorted({f"{stream.kind} on {stream.topic}" for stream in streams}))
-            held = f"its topics have no messages ({topics})"
+            content = f"its topics have no messages ({topics})"
         elif streams:
             other = " (serialised in a way that is not read)"
             kinds = {
                 f"{stream.kind or 'messages without a type'}{'' if stream.readable else other}" for stream in streams
             }
-            held = f"it has {listed(sorted(kinds))}"
+            content = f"it has {listed(sorted(kinds))}"
         damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in notes[:1])
         return ReadError(
             "log.no_scans",
             "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan, Range, PointCloud2, "
-            f"or Image with depths): {held}{damage}.",
+            f"or Image with depths): {content}{damage}.",
         )
 
     def _notes_on_others(self, chosen: list[SensorScans]) -> tuple[str, ...]:
