@@ -199,8 +199,8 @@ class Client:
         # A log of clouds has no planar scans.
         of_kind = {"kind": "volume"} if log.record["clouds"] else {"kind": "log", "trajectory": trajectory}
         cut_out = {} if cut is None else {"cut": dict(cut)}
-        wanted = {"log": log.id, "topic": topic, "playing": playing, **of_kind, **cut_out}
-        return self._asked(Session, "POST", "/api/sessions", json=wanted)
+        request = {"log": log.id, "topic": topic, "playing": playing, **of_kind, **cut_out}
+        return self._asked(Session, "POST", "/api/sessions", json=request)
 
     def sessions(self) -> list[Session]:
         """Return the sessions that this visitor began."""
@@ -212,12 +212,12 @@ class Client:
 
     def seek(self, session: Session, index: int | None = None) -> Session:
         """Pause a session of a log, bring it to the map after ``index`` scans (None: all), and return it."""
-        wanted = session.count if index is None else index
+        target = session.count if index is None else index
         with self._reaching(), self._stream(session) as socket:
             for command in (
                 {"type": "subscribe", "layers": []},
                 {"type": "pause"},
-                {"type": "seek", "index": wanted},
+                {"type": "seek", "index": target},
             ):
                 socket.send(json.dumps(command))
             for data in socket:
@@ -228,7 +228,7 @@ class Client:
                 message = json.loads(data)
                 if message["type"] == "error":
                     raise ClientError(message["code"], message["message"])
-                if message["type"] == "frame" and message["index"] == wanted:
+                if message["type"] == "frame" and message["index"] == target:
                     return self.session(session.id)
         raise ClientError("client.stream", "The service closed the stream of the session before the map was complete.")
 

@@ -91,8 +91,8 @@ def scratch(words: int) -> Iterator[NDArray[np.int64]]:
 
     Memory that is used again has its pages already; to fetch them from the system costs more than many a kernel.
     """
-    kept: NDArray[np.int64] | None = getattr(_kept, "words", None)
-    lent = kept if kept is not None and len(kept) >= words else np.zeros(words, dtype=np.int64)
+    present: NDArray[np.int64] | None = getattr(_kept, "words", None)
+    lent = present if present is not None and len(present) >= words else np.zeros(words, dtype=np.int64)
     _kept.words = None  # after an error it may not be all 0
     yield lent
     _kept.words = lent if len(lent) <= _KEEP_WORDS else None

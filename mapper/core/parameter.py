@@ -62,8 +62,10 @@ class Parameter:
             raise self._refused(value, f"between {self.low:g} and {self.high:g} {self.unit}".rstrip())
         return float(value)
 
-    def _refused(self, value: object, wanted: str) -> ConfigError:
-        return ConfigError(f"parameter.{self.name}", f"{self.label} ({self.name}) must be {wanted}, not {value!r:.80}.")
+    def _refused(self, value: object, expected: str) -> ConfigError:
+        return ConfigError(
+            f"parameter.{self.name}", f"{self.label} ({self.name}) must be {expected}, not {value!r:.80}."
+        )
 
 
 N = TypeVar("N", int, float)

@@ -109,8 +109,8 @@ def _mask_path(folder: Path, name: str) -> tuple[Path, tuple[str, ...]]:
     named, beside = folder / name, folder / PureWindowsPath(name).name
     if "\0" in name or named.is_file() or not beside.is_file():
         return named, ()
-    taken = f"{beside.name!r:.80} beside the parameter file is read in its place."
-    return beside, (f"The parameter file names the mask {name!r:.120}; {taken}",)
+    note = f"{beside.name!r:.80} beside the parameter file is read in its place."
+    return beside, (f"The parameter file names the mask {name!r:.120}; {note}",)
 
 
 def build_costmap(

@@ -128,5 +128,5 @@ class DecayLayer:
         if marked == -np.inf:
             return "No obstacle was seen here, or a beam passed through since."
         age = self._now - marked
-        kept = "kept" if self.costs[row, col] == LETHAL else "forgotten"
-        return f"Marked {age:.1f} s ago and {kept}: the lifetime is {self._config.lifetime:g} s."
+        state = "kept" if self.costs[row, col] == LETHAL else "forgotten"
+        return f"Marked {age:.1f} s ago and {state}: the lifetime is {self._config.lifetime:g} s."

@@ -167,8 +167,8 @@ class StaticLayer:
     def why(self, row: int, col: int) -> str:
         """Say which value of the map the cost is from."""
         value, cost = int(self._values[row, col]), int(self.costs[row, col])
-        said = "unknown" if value < 0 else f"{value} of 100"
-        return f"The map’s value is {said}: {name_of_cost(cost)}."
+        value_text = "unknown" if value < 0 else f"{value} of 100"
+        return f"The map’s value is {value_text}: {name_of_cost(cost)}."
 
 
 def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:
@@ -302,8 +302,10 @@ def seen_by_sources(
     seen = []
     for observation in observations:
         source, z = config.source(observation.source), observation.points[:, 2]
-        kept = (z >= source.min_obstacle_height) & (z <= source.max_obstacle_height)
-        seen.append((source, observation if kept.all() else replace(observation, points=observation.points[kept])))
+        is_inside = (z >= source.min_obstacle_height) & (z <= source.max_obstacle_height)
+        seen.append(
+            (source, observation if is_inside.all() else replace(observation, points=observation.points[is_inside]))
+        )
     return seen
 
 

@@ -51,8 +51,8 @@ def on_geometry(values: Values, own: GridGeometry, geometry: GridGeometry, outsi
     cols = np.arange(geometry.cols)
     for row in range(geometry.rows):
         at = own.world_to_cell(geometry.cell_to_world(np.column_stack([np.full_like(cols, row), cols])))
-        held = ((at >= 0) & (at < own.shape)).all(axis=1)
-        out[row, held] = values[at[held, 0], at[held, 1]]
+        is_inside = ((at >= 0) & (at < own.shape)).all(axis=1)
+        out[row, is_inside] = values[at[is_inside, 0], at[is_inside, 1]]
     return out
 
 

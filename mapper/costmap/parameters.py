@@ -71,69 +71,15 @@ class StaticConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class SourceConfig:
-    """Parameters of a source of observations of an obstacle layer. Raises as :class:`CostmapConfig`.
+class ReadingsConfig:
+    """Parameters of what readings mark and clear, as a source of observations and an obstacle layer both have them.
 
-    A point lower or higher than its heights neither marks nor clears. The initial values are Nav2's, by which a
-    source marks what is at a height of 0 m, and clears nothing.
+    The initial values are Nav2's for a source. Raises as :class:`CostmapConfig`.
     """
 
     # fmt: off
-    marking: bool = flag("Marking", "source", True, "Whether readings mark obstacles.")
-    clearing: bool = flag("Clearing", "source", False, "Whether readings clear what the beam passes.")
-    obstacle_min_range: float = number(
-        "Minimum obstacle range", "source", 0.0, "Nearer readings mark nothing.", "m", 0.0, 100.0, 0.05,
-    )
-    obstacle_max_range: float = number(
-        "Maximum obstacle range", "source", 2.5, "Farther readings mark nothing.", "m", 0.0, 200.0, 0.1,
-    )
-    raytrace_min_range: float = number(
-        "Minimum clearing range", "source", 0.0, "Nearer cells are not cleared.", "m", 0.0, 100.0, 0.05,
-    )
-    raytrace_max_range: float = number(
-        "Maximum clearing range", "source", 3.0, "Farther cells are not cleared.", "m", 0.0, 200.0, 0.1,
-    )
-    inf_is_valid: bool = flag(
-        "No return clears", "source", False,
-        "Whether a beam without return clears as far as the scan’s greatest range.",
-    )
-    min_obstacle_height: float = number(
-        "Minimum height", "source", 0.0, "Lower points are left out.", "m", -10.0, 10.0, 0.05,
-    )
-    max_obstacle_height: float = number(
-        "Maximum height", "source", 0.0, "Higher points are left out.", "m", -10.0, 50.0, 0.05,
-    )
-    # fmt: on
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True, slots=True)
-class NamedSource:
-    """A source of observations of a parameter file: its name there, its parameters, and what it listens to.
-
-    Without ``topic`` that is named as the source. ``data_type`` is LaserScan or PointCloud2.
-    """
-
-    name: str
-    config: SourceConfig
-    topic: str = ""
-    data_type: str = "LaserScan"
-
-
-@dataclass(frozen=True, slots=True)
-class ObstacleConfig:
-    """Parameters of the obstacle layer and its sources of observations. Raises as :class:`CostmapConfig`.
-
-    Without ``sources`` there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own; with
-    them each has these for itself. The heights are the layer's, within which a point marks.
-    """
-
-    # fmt: off
-    enabled: bool = _enabled("obstacle")
     marking: bool = flag("Marking", "obstacle", True, "Whether readings mark obstacles.")
-    clearing: bool = flag("Clearing", "obstacle", True, "Whether readings clear what the beam passes.")
+    clearing: bool = flag("Clearing", "obstacle", False, "Whether readings clear what the beam passes.")
     obstacle_min_range: float = number(
         "Minimum obstacle range", "obstacle", 0.0, "Nearer readings mark nothing.", "m", 0.0, 100.0, 0.05,
     )
@@ -150,6 +96,54 @@ class ObstacleConfig:
         "No return clears", "obstacle", False,
         "Whether a beam without return clears as far as the scan’s greatest range.",
     )
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, slots=True)
+class SourceConfig(ReadingsConfig):
+    """Parameters of a source of observations of an obstacle layer. Raises as :class:`CostmapConfig`.
+
+    A point lower or higher than its heights neither marks nor clears. The initial values are Nav2's, by which a
+    source marks what is at a height of 0 m, and clears nothing.
+    """
+
+    # fmt: off
+    min_obstacle_height: float = number(
+        "Minimum height", "source", 0.0, "Lower points are left out.", "m", -10.0, 10.0, 0.05,
+    )
+    max_obstacle_height: float = number(
+        "Maximum height", "source", 0.0, "Higher points are left out.", "m", -10.0, 50.0, 0.05,
+    )
+    # fmt: on
+
+
+@dataclass(frozen=True, slots=True)
+class NamedSource:
+    """A source of observations of a parameter file: its name there, its parameters, and what it listens to.
+
+    Without ``topic`` that is named as the source. ``data_type`` is LaserScan or PointCloud2.
+    """
+
+    name: str
+    config: SourceConfig
+    topic: str = ""
+    data_type: str = "LaserScan"
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleConfig(ReadingsConfig):
+    """Parameters of the obstacle layer and its sources of observations. Raises as :class:`CostmapConfig`.
+
+    Without ``sources`` there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own; with
+    them each has these for itself. The heights are the layer's, within which a point marks.
+    """
+
+    # fmt: off
+    enabled: bool = _enabled("obstacle")
+    clearing: bool = flag("Clearing", "obstacle", True, "Whether readings clear what the beam passes.")
     min_obstacle_height: float = number(
         "Minimum height", "obstacle", 0.0, "Lower points mark nothing.", "m", -10.0, 10.0, 0.05,
     )
@@ -166,9 +160,6 @@ class ObstacleConfig:
     )
     # fmt: on
     sources: tuple[NamedSource, ...] = ()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def source(self, name: str | None) -> SourceConfig:
         """Return the parameters of a source: None for the first one. Raises :class:`ConfigError` for no such source."""

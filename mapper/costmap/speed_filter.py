@@ -80,9 +80,9 @@ class SpeedFilter:
         """
         rows, cols = self.mask.geometry.shape
         at = self.mask.geometry.world_to_cell(points_xy)
-        held = ((at >= 0) & (at < (rows, cols))).all(axis=1)
+        is_inside = ((at >= 0) & (at < (rows, cols))).all(axis=1)
         values = np.full(len(at), -1)
-        values[held] = self.mask.values[at[held, 0], at[held, 1]]
+        values[is_inside] = self.mask.values[at[is_inside, 0], at[is_inside, 1]]
         limits = values * self.multiplier + self.base
         most = 100.0 if self.percentage else np.inf
         is_none = (values == 0) | ~((limits > 0.0) & (limits <= most))

@@ -43,13 +43,13 @@ def check_between(
     sensors: Sequence[ScanLog],
     trajectory: str | None,
     of_sensors: Sequence[Sequence[Finding]],
-    wanted: Callable[[], bool],
+    may_continue: Callable[[], bool],
     time_offset: float = 0.0,
 ) -> list[Finding]:
     """Return a finding for each lidar of a robot whose walls disagree with those of the first lidar.
 
     ``of_sensors`` are the findings on each of the ``sensors``; a sensor with one of :data:`SPOILED_BY` is left out.
-    Raises :class:`WorkCancelledError` where ``wanted`` says False.
+    Raises :class:`WorkCancelledError` where ``may_continue`` returns False.
     """
     usable = [
         sensor
@@ -63,14 +63,16 @@ def check_between(
     first = at_middle_of_sweep(usable[0], trajectory, time_offset)
     disagreements = []
     for part in usable[1:]:
-        corrections = _corrections(first, at_middle_of_sweep(part, trajectory, time_offset), trajectory, wanted)
+        corrections = _corrections(first, at_middle_of_sweep(part, trajectory, time_offset), trajectory, may_continue)
         finding = _finding(first, part, corrections)
         if finding is not None:
             disagreements.append(finding)
     return disagreements
 
 
-def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted: Callable[[], bool]) -> Float64Array:
+def _corrections(
+    first: ScanLog, second: ScanLog, trajectory: str | None, may_continue: Callable[[], bool]
+) -> Float64Array:
     """Return by how much scans of the second sensor have to be moved (n, 3), in the base's frame, to fit the first."""
     config = MatchConfig(window_m=WINDOW_M, window_rad=WINDOW_RAD)
     bases, others = first.trajectory(trajectory).poses, second.trajectory(trajectory).poses
@@ -78,7 +80,7 @@ def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted
     corrections = []
     chosen = np.unique(np.linspace(0, second.n_scans - 1, MATCHED).astype(np.int64))
     for k in chosen.tolist():
-        if not wanted():
+        if not may_continue():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
         near = np.flatnonzero(np.abs(own_driven - driven[k]) <= REACH_M)
         if not len(near):

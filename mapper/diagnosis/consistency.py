@@ -60,7 +60,7 @@ class Examined:
     scans: NDArray[np.int64]
     config: MappingConfig
     time_offset: float = 0.0  #: seconds, by which the stamps were shifted to find the poses
-    wanted: Callable[[], bool] = lambda: True
+    may_continue: Callable[[], bool] = lambda: True
     compared: Callable[[Contradiction], None] = lambda _: None
 
     @cached_property
@@ -70,7 +70,7 @@ class Examined:
 
     def check_wanted(self) -> None:
         """Raise :class:`WorkCancelledError` where ``wanted`` returns False."""
-        if not self.wanted():
+        if not self.may_continue():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
 
     def shifted(self, x: float, y: float) -> Examined:
@@ -294,12 +294,12 @@ def _compared(
 ) -> NDArray[np.float64]:
     """Return for each part (n, 2) how many of its endpoints the others contradict and how many they confirm."""
     totals = np.zeros((len(parts), 2))
-    said = np.zeros(geometry.rows * geometry.cols, dtype=np.int8)  # 1 free, 2 near an endpoint of the other part
+    votes = np.zeros(geometry.rows * geometry.cols, dtype=np.int8)  # 1 free, 2 near an endpoint of the other part
     for i, other in enumerate(parts):
-        said[other.free], said[other.near] = 1, 2
+        votes[other.free], votes[other.near] = 1, 2
         for j, part in enumerate(parts):
             if counts(i, j):
-                here = said[part.ends]
+                here = votes[part.ends]
                 totals[j] += (part.weights[here == 1].sum(), part.weights[here == 2].sum())
-        said[other.free] = said[other.near] = 0
+        votes[other.free] = votes[other.near] = 0
     return totals

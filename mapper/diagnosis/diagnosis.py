@@ -30,7 +30,7 @@ def diagnose(
     log: ScanLog,
     trajectory: str | None = None,
     progress: Callable[[float], None] | None = None,
-    wanted: Callable[[], bool] = lambda: True,
+    may_continue: Callable[[], bool] = lambda: True,
     time_offset: float = 0.0,
 ) -> Diagnosis:
     """Return :func:`examine` of a log, and its events (:func:`mapper.diagnosis.events.find_events`).
@@ -41,8 +41,8 @@ def diagnose(
     def part(begin: float, end: float) -> Callable[[float], None] | None:
         return None if progress is None else lambda share: progress(begin + (end - begin) * share)
 
-    findings = examine(log, trajectory, part(0.0, EXAMINED), wanted, time_offset)
-    events = find_events(_remedied(log, findings), wanted, part(EXAMINED, 1.0))
+    findings = examine(log, trajectory, part(0.0, EXAMINED), may_continue, time_offset)
+    events = find_events(_remedied(log, findings), may_continue, part(EXAMINED, 1.0))
     # Where clocks differ, wheels seem to miss each turn, and where the mount changes, each change.
     if any(finding.check in (DELAY, CHANGING) for finding in findings):
         events = [event for event in events if event.kind not in DISPLACED]
@@ -88,11 +88,11 @@ def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
     if finding.check != DRIFT or not moved:
         return finding
     at = [event.time for event in moved[:MOST_NAMED]]
-    said = f"{', '.join(at[:-1])} and {at[-1]}" if len(at) > 1 else at[0]
+    times = f"{', '.join(at[:-1])} and {at[-1]}" if len(at) > 1 else at[0]
     more = f" and {len(moved) - MOST_NAMED} times later" if len(moved) > MOST_NAMED else ""
     return replace(
         finding,
-        sentence=f"{finding.sentence} The wheels did not measure what happened at {said}{more}: poses are off from "
-        "there on.",
+        sentence=f"{finding.sentence} The wheels did not measure what happened at {times}{more}: poses are off "
+        "from there on.",
         scans=(moved[0].scan, *finding.scans),
     )

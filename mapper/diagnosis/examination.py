@@ -73,7 +73,7 @@ def examine(
     log: ScanLog,
     trajectory: str | None = None,
     progress: Callable[[float], None] | None = None,
-    wanted: Callable[[], bool] = lambda: True,
+    may_continue: Callable[[], bool] = lambda: True,
     time_offset: float = 0.0,
     compared: Callable[[Contradiction], None] = lambda _: None,
 ) -> list[Finding]:
@@ -81,16 +81,16 @@ def examine(
 
     Each scan is judged from one pose, in the middle of its sweep where it could be deskewed; ``time_offset`` seconds
     are added to the stamps to find it, as by the mapping parameter of that name. ``progress`` is called with the share
-    that is done; ``wanted`` is asked all the while; ``compared`` is called with what the drift check measured, if it
-    was made. Of several sensors each is examined by itself, and its findings name it
+    that is done; ``may_continue`` is called all the while; ``compared`` is called with what the drift check measured,
+    if it was made. Of several sensors each is examined by itself, and its findings name it
     (:func:`mapper.diagnosis.several.of_sensors`), and its lidars are compared with the first of them
     (:func:`mapper.diagnosis.between.check_between`); one with too few scans to judge has the finding ``readings.few``.
     Raises :class:`ConfigError` for a log too short to judge and for a trajectory that it lacks, and
-    :class:`WorkCancelledError` soon after ``wanted`` said False.
+    :class:`WorkCancelledError` soon after ``may_continue`` returned False.
     """
     sensors = by_sensor(log)
     if len(sensors) == 1:
-        return _examine_one(log, trajectory, progress, wanted, time_offset, compared)
+        return _examine_one(log, trajectory, progress, may_continue, time_offset, compared)
     longest = max((sensor for sensor, _ in sensors), key=lambda sensor: sensor.n_scans)
     if longest.n_scans < LEAST_SCANS:
         raise _too_short(longest)
@@ -100,10 +100,10 @@ def examine(
             findings.append([readings.few_scans(sensor.n_scans)])
             continue
         share = share_of(progress, number, len(sensors) + 1)
-        findings.append(_examine_one(sensor, trajectory, share, wanted, time_offset, compared))
+        findings.append(_examine_one(sensor, trajectory, share, may_continue, time_offset, compared))
     if progress is not None:
         progress(len(sensors) / (len(sensors) + 1))
-    between = check_between([sensor for sensor, _ in sensors], trajectory, findings, wanted, time_offset)
+    between = check_between([sensor for sensor, _ in sensors], trajectory, findings, may_continue, time_offset)
     return [*of_sensors(sensors, findings), *between]
 
 
@@ -124,7 +124,7 @@ def _examine_one(
     log: ScanLog,
     trajectory: str | None,
     progress: Callable[[float], None] | None,
-    wanted: Callable[[], bool],
+    may_continue: Callable[[], bool],
     time_offset: float,
     compared: Callable[[Contradiction], None],
     checks: Sequence[Check] = CHECKS,
@@ -134,7 +134,9 @@ def _examine_one(
     if log.n_scans < LEAST_SCANS:
         raise _too_short(log)
     stated, log = log, at_middle_of_sweep(log, trajectory, time_offset)
-    seen = replace(examined(log, trajectory, most), time_offset=time_offset, wanted=wanted, compared=compared)
+    seen = replace(
+        examined(log, trajectory, most), time_offset=time_offset, may_continue=may_continue, compared=compared
+    )
     findings: list[Finding] = []
     for done, check in enumerate(checks):
         if progress is not None:

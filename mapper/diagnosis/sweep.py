@@ -23,12 +23,12 @@ def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
     no finding. Where clocks differ, beams that are deskewed rightly may agree less than others by chance, so they have
     to agree less with every delay.
     """
-    said = next((part.wrong_sweep for part in sensors_of(log) if part.wrong_sweep), "")
-    if said:
+    stated_error = next((part.wrong_sweep for part in sensors_of(log) if part.wrong_sweep), "")
+    if stated_error:
         return [
             Finding(
                 CHECK,
-                said,
+                stated_error,
                 "The map is right without; correct time_increment, or the order of the beams, in the sensor’s driver.",
                 0.95,
             )

@@ -25,13 +25,13 @@ BY = 0.015
 
 def check_clock(log: ScanLog) -> list[Finding]:
     """Return what was found of a source of poses when the log was read (:mod:`mapper.io.logs.pose_clocks`)."""
-    said = next((part.wrong_clock for part in sensors_of(log) if part.wrong_clock), "")
-    if not said:
+    stated_error = next((part.wrong_clock for part in sensors_of(log) if part.wrong_clock), "")
+    if not stated_error:
         return []
     advice = (
         "The map is right without more; set the two clocks by one server, or correct where the sender takes its stamps."
     )
-    return [Finding(CLOCK, said, advice, 0.95)]
+    return [Finding(CLOCK, stated_error, advice, 0.95)]
 
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:

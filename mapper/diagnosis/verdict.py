@@ -194,8 +194,8 @@ def _sharpness(
     sharpness = sharpness_of(log, trajectory, time_offset)
     if round(sharpness, SHARPNESS_PLACES) >= limits.min_sharpness - ROUNDING:
         return sharpness, []
-    said = f"The sharpness of the walls is {sharpness:.3f}; the limit is {limits.min_sharpness:.3f}."
-    return sharpness, [Reason("sharpness", sharpness, limits.min_sharpness, said)]
+    sentence = f"The sharpness of the walls is {sharpness:.3f}; the limit is {limits.min_sharpness:.3f}."
+    return sharpness, [Reason("sharpness", sharpness, limits.min_sharpness, sentence)]
 
 
 def map_of(log: ScanLog, trajectory: str | None, config: MappingConfig | None = None) -> OccupancyGrid:
@@ -218,11 +218,11 @@ def _drift_reasons(drift: float | None, limit: float, why: str) -> list[Reason]:
         return [Reason("drift", None, limit, f"Drift could not be measured: {why}; the limit is {limit:.2f} m.")]
     if round(drift, DRIFT_PLACES) <= limit + ROUNDING:
         return []
-    said = (
+    sentence = (
         f"Only {100 * WITHIN:.0f} % of the readings end within {drift:.2f} m of the walls that were seen at another "
         f"time; the limit is {limit:.2f} m."
     )
-    return [Reason("drift", drift, limit, said)]
+    return [Reason("drift", drift, limit, sentence)]
 
 
 def _why_unmeasured(log: ScanLog, trajectory: str | None, findings: Iterable[Finding]) -> str:

@@ -90,14 +90,14 @@ def stroke_cells(
         runs = begin < end
         ends[at[on][runs], begin[runs]] += 1
         ends[at[on][runs], end[runs]] -= 1
-    held = np.floor(place).astype(np.int64)
-    held = held[((held >= 0) & (held < (cols, rows))).all(axis=1)]
+    cells = np.floor(place).astype(np.int64)
+    cells = cells[((cells >= 0) & (cells < (cols, rows))).all(axis=1)]
 
     def bands() -> Iterator[tuple[int, BoolArray]]:
         for row0, row1 in row_bands(rows, cols):
             check()
             near = np.cumsum(ends[row0:row1, :cols], axis=1, dtype=_COUNT) > 0
-            here = held[(held[:, 1] >= row0) & (held[:, 1] < row1)]
+            here = cells[(cells[:, 1] >= row0) & (cells[:, 1] < row1)]
             near[here[:, 1] - row0, here[:, 0]] = True
             yield row0, near
 

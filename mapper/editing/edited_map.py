@@ -247,11 +247,11 @@ def _rotate(state: _State, edit: Rotate, check: Check) -> _State:
         check()
         flat = np.arange(begin, min(begin + _AT_ONCE, values.size))
         at = turned.world_to_cell(new.cell_to_world(np.column_stack(np.divmod(flat, cols))))
-        held = ((at >= 0) & (at < old.shape)).all(axis=1)
-        source = at[held, 0], at[held, 1]
-        values.reshape(-1)[flat[held]] = state.values[source]
+        is_inside = ((at >= 0) & (at < old.shape)).all(axis=1)
+        source = at[is_inside, 0], at[is_inside, 1]
+        values.reshape(-1)[flat[is_inside]] = state.values[source]
         for mask, old_mask in zip(masks, (state.keepout, state.speed), strict=True):
-            mask.reshape(-1)[flat[held]] = old_mask[source]
+            mask.reshape(-1)[flat[is_inside]] = old_mask[source]
     return _State(new, values, *masks)
 
 

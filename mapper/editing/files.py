@@ -76,9 +76,9 @@ def parse_edits(data: bytes) -> tuple[dict[str, Any], list[Operation]]:
     if len(document["edits"]) > MAX_EDITS:
         raise LimitError("edit.too_many", f"A map can have at most {MAX_EDITS} edits.")
     operations = []
-    for k, given in enumerate(document["edits"]):
+    for k, entry in enumerate(document["edits"]):
         try:
-            operations.append(parse_operation(given))
+            operations.append(parse_operation(entry))
         except ConfigError as error:
             raise ConfigError(error.code, f"Edit {k + 1}: {error.message}") from error
     source = document.get("source")

@@ -198,20 +198,20 @@ _KINDS: Mapping[str, type[Operation]] = {
 }
 
 
-def parse_operation(given: object) -> Operation:
+def parse_operation(entry: object) -> Operation:
     """Return an operation from a mapping with its name ``op`` and its fields. Raises :class:`ConfigError`."""
-    if not isinstance(given, Mapping) or given.get("op") not in _KINDS:
-        op = given.get("op") if isinstance(given, Mapping) else given
+    if not isinstance(entry, Mapping) or entry.get("op") not in _KINDS:
+        op = entry.get("op") if isinstance(entry, Mapping) else entry
         raise ConfigError("edit.op", f"An edit’s 'op' must be one of {', '.join(_KINDS)}, not {op!r:.40}.")
-    kind = _KINDS[given["op"]]
+    kind = _KINDS[entry["op"]]
     names = [field.name for field in fields(kind)]
-    for name in given:
+    for name in entry:
         if name != "op" and name not in names:
             raise ConfigError("edit.field", f"The edit {kind.op!r} has no {name!r:.40}: it has {', '.join(names)}.")
     try:
-        return kind(**{name: value for name, value in given.items() if name != "op"})
+        return kind(**{name: value for name, value in entry.items() if name != "op"})
     except TypeError as error:
-        missing = [name for name in names if name not in given]
+        missing = [name for name in names if name not in entry]
         raise ConfigError("edit.field", f"The edit {kind.op!r} lacks {', '.join(missing)}.") from error
 
 

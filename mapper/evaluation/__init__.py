@@ -2,10 +2,10 @@
 
 from mapper.evaluation.alignment import ALIGNMENTS, Alignment, align
 from mapper.evaluation.association import associate
-from mapper.evaluation.pairs import DELTA_UNITS, pairs_over
+from mapper.evaluation.pairs import pairs_over
 from mapper.evaluation.published import PUBLISHED, PublishedResult, benchmark_named
 from mapper.evaluation.relations import RelationErrors, Relations, evaluate_relations
-from mapper.evaluation.same_path import first_pair, is_same_path, stated_before
+from mapper.evaluation.same_path import first_pair
 from mapper.evaluation.statistics import ErrorSeries, ErrorStatistics
 from mapper.evaluation.trajectory_error import (
     Comparison,
@@ -17,7 +17,6 @@ from mapper.evaluation.trajectory_error import (
 
 __all__ = [
     "ALIGNMENTS",
-    "DELTA_UNITS",
     "PUBLISHED",
     "Alignment",
     "Comparison",
@@ -34,8 +33,6 @@ __all__ = [
     "compare_trajectories",
     "evaluate_relations",
     "first_pair",
-    "is_same_path",
     "pairs_over",
     "relative_errors",
-    "stated_before",
 ]

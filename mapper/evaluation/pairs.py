@@ -37,8 +37,8 @@ def pairs_over(
     if unit not in DELTA_UNITS:
         raise ConfigError("evaluation.delta_unit", f"The unit of delta must be m, s or frames, not {unit!r:.40}.")
     if not (np.isfinite(delta) and delta > 0.0) or (unit == "frames" and delta != round(delta)):
-        wanted = "a whole number of frames above 0" if unit == "frames" else "above 0"
-        raise ConfigError("evaluation.delta", f"Delta must be {wanted}, not {delta:g}.")
+        expected = "a whole number of frames above 0" if unit == "frames" else "above 0"
+        raise ConfigError("evaluation.delta", f"Delta must be {expected}, not {delta:g}.")
     if unit == "frames":
         pairs = _by_frames(len(poses), int(delta), all_pairs=all_pairs)
     else:

@@ -86,18 +86,18 @@ def records_of_relations(
     is_short = np.abs(stamps_ns[:, 1] - stamps_ns[:, 0]) < SHORT_S * 1e9
     # Each relation twice: at its first time, and, turned round, at its second.
     begin, end = np.concatenate([where[is_short], where[is_short][:, ::-1]]).T
-    wanted = np.tile(motions[is_short], (2, 1))
+    expected = np.tile(motions[is_short], (2, 1))
     turned = np.arange(len(begin)) >= np.count_nonzero(is_short)
     order = np.flatnonzero(count[end] > 0)
     order = order[np.argsort(begin[order], kind="stable")]
-    begin, end, wanted, turned = begin[order], end[order], wanted[order], turned[order]
+    begin, end, expected, turned = begin[order], end[order], expected[order], turned[order]
     links = np.searchsorted(begin, np.arange(len(times) + 1))
 
     def costs(records: Int64Array, own: slice) -> Float64Array:
         """Return how badly the odometry at each of ``records`` (c,) fits the relations at ``own``, metres (c,)."""
         driven = compose(inverse(odometry[records][:, np.newaxis]), odometry[chosen[end[own]]])
         driven = np.where(turned[own][:, np.newaxis], inverse(driven), driven)
-        off = compose(inverse(wanted[own]), driven)
+        off = compose(inverse(expected[own]), driven)
         cost = np.hypot(off[..., 0], off[..., 1]) + METRES_PER_RADIAN * np.abs(off[..., 2])
         return np.asarray(np.minimum(cost, GREATEST_COST).sum(axis=1))
 

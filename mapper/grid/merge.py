@@ -66,11 +66,11 @@ def _prior_map(shape: tuple[int, int], parts: list[tuple[OccupancyGrid, Part]]) 
         return None
     out = np.full(shape, np.nan, dtype=np.float32)
     for grid, part in parts:
-        given = np.full(grid.geometry.shape, np.nan, np.float32) if grid.prior_map is None else grid.prior_map
+        prior = np.full(grid.geometry.shape, np.nan, np.float32) if grid.prior_map is None else grid.prior_map
         known = ~np.isnan(out[part])
-        if np.any(known & ~np.isnan(given) & (out[part] != given)):
+        if np.any(known & ~np.isnan(prior) & (out[part] != prior)):
             raise ConfigError("merge.prior", "The prior maps differ where both maps have cells.")
-        out[part] = np.where(known, out[part], given)
+        out[part] = np.where(known, out[part], prior)
     return out
 
 

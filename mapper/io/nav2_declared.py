@@ -156,8 +156,8 @@ def wrong_type(value: object, where: str, *, is_whole: bool) -> list[str]:
     if is_whole and not float(value).is_integer():
         return [f"{where} is {value:g}, where Nav2 declares an integer, and does not start: it must be a whole number."]
     written = str(int(value)) if is_whole else f"{value}.0"
-    wanted = "an integer" if is_whole else "a double"
-    return [f"{where} is {value}, where Nav2 declares {wanted}, and does not start: write {written}."]
+    expected = "an integer" if is_whole else "a double"
+    return [f"{where} is {value}, where Nav2 declares {expected}, and does not start: write {written}."]
 
 
 _FILLED_IN = " It is filled in where Nav2 is launched: put the value into the file."
@@ -192,6 +192,6 @@ def within(row: Parameter, value: object, where: str, notes: list[str]) -> objec
     nearest = row.high if value > row.high else row.low if value < row.low < 0.0 else value
     if nearest != value:
         beyond = "more than" if value > row.high else "less than"
-        taken = f"{nearest:g} {row.unit}".rstrip()
-        notes.append(f"{where} is {value:g}, {beyond} is computed with here: {taken} is taken.")
+        used = f"{nearest:g} {row.unit}".rstrip()
+        notes.append(f"{where} is {value:g}, {beyond} is computed with here: {used} is taken.")
     return nearest

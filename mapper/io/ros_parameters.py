@@ -77,13 +77,13 @@ def parse_ros_parameters(data: bytes) -> ParameterFile:
         raise ReadError("parameters.yaml", "The parameter file is malformed.") from error
     if not isinstance(root, dict):
         raise ReadError("parameters.yaml", "The parameter file holds no names with values.")
-    made = ParameterFile(root)
-    made.notes = tuple(
+    file = ParameterFile(root)
+    file.notes = tuple(
         f"The key {key!r:.80} stands twice, in lines {first} and {last}: the latter alone counts, as in Nav2’s launch "
         "files."
         for key, first, last in twice[:MOST_TWICE]
     )
-    return made
+    return file
 
 
 WILDCARDS = ("*", "**")  #: names of nodes that stand for one name, or for any names
@@ -97,14 +97,16 @@ def nodes_of(root: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], dict[st
     :class:`ReadError` for a name that is given a value and parameters of its own. Of a node that stands in several
     ways, all parameters count, the last value of each, as in rcl.
     """
-    made: dict[tuple[str, ...], dict[str, Any]] = {}
+    nodes: dict[tuple[str, ...], dict[str, Any]] = {}
     for path, parameters in _nodes_below(root, ()):
-        made[path] = _merged(made.get(path, {}), parameters, "/".join(path))
-    yield from made.items()
+        nodes[path] = _merged(nodes.get(path, {}), parameters, "/".join(path))
+    yield from nodes.items()
 
 
-def _nodes_below(given: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
-    for key, value in given.items():
+def _nodes_below(
+    parameters: Mapping[str, Any], path: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
+    for key, value in parameters.items():
         if not isinstance(value, dict):
             continue
         if key == "ros__parameters":
@@ -113,18 +115,18 @@ def _nodes_below(given: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[tu
             yield from _nodes_below(value, (*path, *(part for part in str(key).split("/") if part)))
 
 
-def _with_levels(given: Mapping[Any, Any], where: str) -> dict[str, Any]:
+def _with_levels(parameters: Mapping[Any, Any], where: str) -> dict[str, Any]:
     """Return parameters with a level for each dot in their names."""
-    made: dict[str, Any] = {}
-    for name, value in given.items():
+    levels: dict[str, Any] = {}
+    for name, value in parameters.items():
         inner = _with_levels(value, where) if isinstance(value, dict) else value
         first, *rest = str(name).split(".") if ".." not in f".{name}." else [str(name)]
         if len(rest) >= MAX_DEPTH:
             raise ReadError("parameters.depth", f"{where}: A name has more than {MAX_DEPTH} levels.")
         for level in reversed(rest):
             inner = {level: inner}
-        made[first] = _joined(made[first], inner, f"{where}: {first:.80}") if first in made else inner
-    return made
+        levels[first] = _joined(levels[first], inner, f"{where}: {first:.80}") if first in levels else inner
+    return levels
 
 
 def _merged(first: dict[str, Any], other: dict[str, Any], where: str) -> dict[str, Any]:
@@ -206,8 +208,8 @@ def with_node(
     """
     target = next((path for path, _ in nodes_of(root) if path and path[-1] == name), None)
     if target is not None:
-        made, _ = _replaced(root, (), target, parameters)
-        return made
+        changed, _ = _replaced(root, (), target, parameters)
+        return changed
     inner: Any = {"ros__parameters": {**parameters}}
     for key in reversed(path):
         inner = {key: inner}
@@ -215,24 +217,24 @@ def with_node(
 
 
 def _replaced(
-    given: Mapping[str, Any], path: tuple[str, ...], target: tuple[str, ...], parameters: Mapping[str, Any] | None
+    nodes: Mapping[str, Any], path: tuple[str, ...], target: tuple[str, ...], parameters: Mapping[str, Any] | None
 ) -> tuple[dict[str, Any], bool]:
     """Return a mapping with the parameters of the node ``target`` replaced where it stands first, and whether it does.
 
     Where the node stands again its parameters are left out; None leaves them out everywhere.
     """
-    made: dict[str, Any] = {}
+    replaced: dict[str, Any] = {}
     is_done = False
-    for key, value in given.items():
+    for key, value in nodes.items():
         if not isinstance(value, dict):
-            made[key] = value
+            replaced[key] = value
         elif key == "ros__parameters":
             if path != target:
-                made[key] = value
+                replaced[key] = value
             elif parameters is not None and not is_done:
-                made[key], is_done = {**parameters}, True
+                replaced[key], is_done = {**parameters}, True
         else:
             below = (*path, *(part for part in str(key).split("/") if part))
-            made[key], done = _replaced(value, below, target, None if is_done else parameters)
+            replaced[key], done = _replaced(value, below, target, None if is_done else parameters)
             is_done |= done
-    return made, is_done
+    return replaced, is_done

@@ -87,23 +87,23 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
     root = parse_ros_parameters(data)
     values, layout = _node(root)
     names = NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
-    given: dict[str, Any] = {}
+    parameters: dict[str, Any] = {}
     others = {}
     notes = [*root.notes]
     for name, value in (values | _remarks(data)).items():
         own = names.get(name, name)
         if own in BY_NAME:
-            given[own] = _value(name, own, value)
+            parameters[own] = _value(name, own, value)
             if own not in OWN_ROWS:
                 if layout == "nav2" and BY_NAME[own].kind == "number":
                     notes += wrong_type(value, f"amcl.{name}", is_whole=_is_whole(own))
-                given[own] = within(BY_NAME[own], given[own], f"amcl.{name}", notes)
+                parameters[own] = within(BY_NAME[own], parameters[own], f"amcl.{name}", notes)
         elif is_other(name):
             others[name] = _checked_other(name, value)
         else:
             notes.append(undeclared("amcl", name, {*AMCL, *BY_NAME, *names}))
     start = LocalizationConfig().with_values(NAV2_DEFAULTS if layout == "nav2" else ROS1_DEFAULTS)
-    return AmclParameters(start.with_values(given), layout, others, tuple(notes))
+    return AmclParameters(start.with_values(parameters), layout, others, tuple(notes))
 
 
 def is_other(name: str) -> bool:

@@ -98,5 +98,5 @@ class Confidence:
     def is_confirmed(self) -> bool:
         """Whether enough alternatives were ruled out, and the map explains the readings at the place."""
         is_explained = self.contradicted <= MOST_CONTRADICTED and self._unexplained <= MOST_UNEXPLAINED
-        wanted = WANTED if self._changed <= CHANGED else WANTED_IN_CHANGED
-        return self._ruled_out >= wanted and is_explained and not self._is_rivalled
+        needed = WANTED if self._changed <= CHANGED else WANTED_IN_CHANGED
+        return self._ruled_out >= needed and is_explained and not self._is_rivalled

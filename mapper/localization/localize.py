@@ -95,15 +95,15 @@ def localize_log(
     initial_pose: ArrayLike | None = None,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
-    wanted: Callable[[], bool] | None = None,
+    may_continue: Callable[[], bool] | None = None,
     watch: Callable[[int, MonteCarloLocalizer], None] | None = None,
 ) -> Localized:
     """Return where in a map the robot was at each scan of a log, by the odometry ``trajectory`` and the scans.
 
     The scans of a :class:`mapper.sensors.joint_log.JointLog` are of several sensors, each with its mount.
     Without an ``initial_pose`` (3,) the filter starts everywhere. ``progress`` is called with the share that is done,
-    ``wanted`` now and then: False raises :class:`WorkCancelledError`; ``watch`` with the number of each scan and the
-    filter after it. Raises :class:`ConfigError` for a log without scans or odometry, a map without free or occupied
+    ``may_continue`` now and then: False raises :class:`WorkCancelledError`; ``watch`` with the number of each scan and
+    the filter after it. Raises :class:`ConfigError` for a log without scans or odometry, a map without free or occupied
     cells, and a pose outside it.
     """
     began = time.process_time()
@@ -123,7 +123,7 @@ def localize_log(
     sure = np.zeros(n, dtype=np.bool_)
     sensors = sensor_of_scan(log).tolist()
     for i in range(n):
-        if wanted is not None and not wanted():
+        if may_continue is not None and not may_continue():
             raise WorkCancelledError("localization.cancelled", "The localization was cancelled.")
         x, y, yaw = log.mount_of(i).tolist()
         update = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config), sensors[i])

@@ -48,9 +48,9 @@ def resampled(
     bins while it draws; here they are counted over one low-variance draw.
     """
     chosen = drawn(weights, len(weights), u)
-    wanted = kld_number(number_of_bins(particles, chosen), config.pf_err, config.pf_z)
+    needed = kld_number(number_of_bins(particles, chosen), config.pf_err, config.pf_z)
     share = kept * effective_number(weights) / len(weights)
-    count = int(min(max(wanted, config.min_particles) / share, most))
+    count = int(min(max(needed, config.min_particles) / share, most))
     if count != len(chosen):
         chosen = drawn(weights, count, u)
     return particles[chosen]

@@ -104,11 +104,11 @@ def tempering(prior: Float64Array, log_likelihood: Float64Array, least: float) -
     step = max(1, len(prior) // _SAMPLE)
     w, value = prior[::step], log_likelihood[::step]
     value = value - value.max()
-    wanted = least * min(len(w), effective(w))
-    if effective(w * np.exp(value)) >= wanted:
+    target = least * min(len(w), effective(w))
+    if effective(w * np.exp(value)) >= target:
         return 1.0
     low, high = 0.0, 1.0
     for _ in range(12):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if effective(w * np.exp(middle * value)) >= wanted else (low, middle)
+        low, high = (middle, high) if effective(w * np.exp(middle * value)) >= target else (low, middle)
     return low

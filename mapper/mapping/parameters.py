@@ -270,28 +270,27 @@ def as_mapped(log: ScanLog, config: MappingConfig) -> ScanLog:
 SONAR_WINDOW = 0.2  #: metres: how thick the arc of a sonar's echo is taken to be
 
 
-def sensor_defaults(beam_width: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return ``given`` values of :data:`mapper.mapping.parameters.PARAMETERS` and the default values for
-    a sensor.
+def sensor_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return ``values`` of :data:`mapper.mapping.parameters.PARAMETERS` with the defaults for a sensor.
 
-    Readings of cones, ``beam_width`` > 0 radians, use the sonar cone model. If ``given`` names a model, the other
+    Readings of cones, ``beam_width`` > 0 radians, use the sonar cone model. If ``values`` names a model, the other
     values remain those of the table.
     """
-    given = given or {}
+    values = values or {}
     if beam_width <= 0.0:
-        return dict(given)
+        return dict(values)
     row = BY_NAME["opening"]
     opening = float(np.clip(beam_width, row.low, row.high))
     defaults: dict[str, Any] = {"opening": opening}
-    if "model" not in given:
+    if "model" not in values:
         defaults |= {"model": "sonar_cone", "window": SONAR_WINDOW}
-    return defaults | dict(given)
+    return defaults | dict(values)
 
 
 #: Of a recording, where a map is to hold the walls; a simulated world begins with the step of the sources.
 RECORDED: Mapping[str, Any] = {"hit_and_passed": "only_hits"}
 
 
-def recorded_defaults(beam_width: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def recorded_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Return :func:`sensor_defaults` with :data:`RECORDED`, for the scans of a recording."""
-    return {**RECORDED, **sensor_defaults(beam_width, given)}
+    return {**RECORDED, **sensor_defaults(beam_width, values)}

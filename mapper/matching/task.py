@@ -126,5 +126,5 @@ class Task:
     @property
     def stride(self) -> int:
         """Of how many beams one is used by the search for modes: 60 to 120 points of a scan show where they are."""
-        wanted = 400 if self.target.is_map else 60
-        return max(1, int(np.count_nonzero(self.source.kind[self.index])) // wanted)
+        most = 400 if self.target.is_map else 60
+        return max(1, int(np.count_nonzero(self.source.kind[self.index])) // most)

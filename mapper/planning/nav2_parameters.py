@@ -89,11 +89,11 @@ def nav2_path_yaml(path: Nav2Path) -> str:
     }
     nodes: dict[str, Any] = {}
     for node, (name, block) in own.items():
-        kept = {path_[1:]: value for path_, value in path.others.items() if path_[0] == node}
-        general = {path_[0]: value for path_, value in kept.items() if len(path_) == 1}
+        others = {path_[1:]: value for path_, value in path.others.items() if path_[0] == node}
+        general = {path_[0]: value for path_, value in others.items() if len(path_) == 1}
         default = _DEFAULTS[node][0]  # which is listed where the file lists none
         listed = general.pop(_LISTS[node], [default] if (node, default) in path.others else [])
-        of_block = {path_[1]: value for path_, value in kept.items() if path_[:-1] == (name,)}
+        of_block = {path_[1]: value for path_, value in others.items() if path_[:-1] == (name,)}
         names = [*listed] if name in listed else [*listed, name]
         parameters = {_LISTS[node]: names, **general, name: block | of_block}
         nodes[node] = {"ros__parameters": parameters}

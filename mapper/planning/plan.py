@@ -169,18 +169,18 @@ class GoalPlanner:
 
     def _why_none(self, goal: Cell, potential: Float64Array) -> str:
         """Return a sentence on what would have to be otherwise for a path to the goal to be found."""
-        said, config = "There is no path to the goal", self.config
+        sentence, config = "There is no path to the goal", self.config
         if math.isinf(self._table[self._costs[goal]]):
             return (
-                f"{said}: the robot cannot be there, {_why_blocked(self._costs, goal)}, and no cell within the "
+                f"{sentence}: the robot cannot be there, {_why_blocked(self._costs, goal)}, and no cell within the "
                 f"tolerance of {config.tolerance:g} m can be reached."
             )
         if not config.allow_unknown and self._reaches(goal, "unknown", step_costs(PlannerConfig(allow_unknown=True))):
-            return f"{said} without crossing unknown cells."
+            return f"{sentence} without crossing unknown cells."
         if self._reaches(goal, "inscribed", step_costs(config, inscribed_passable=True)):
-            return f"{said}: it would have to pass where the robot touches an obstacle (inscribed cells)."
+            return f"{sentence}: it would have to pass where the robot touches an obstacle (inscribed cells)."
         reached = int(np.isfinite(potential).sum())
-        return f"{said}: obstacles are all around the {reached} cells that can be reached from the start."
+        return f"{sentence}: obstacles are all around the {reached} cells that can be reached from the start."
 
 
 def cost_to_come(

@@ -54,13 +54,13 @@ def drive(
     key = (world, seed, n_scans, sensor, moved)
     with _keeping:
         known = _kept.get(key)
-    made = _driven(world, seed, n_scans, sensor, moved, step) if known is None else known
+    driven = _driven(world, seed, n_scans, sensor, moved, step) if known is None else known
     with _keeping:
-        _kept[key] = made
+        _kept[key] = driven
         _kept.move_to_end(key)
         if len(_kept) > KEPT:
             _kept.popitem(last=False)
-    return made
+    return driven
 
 
 def _driven(world: str, seed: int, n_scans: int, sensor: SensorConfig, moved: tuple[Drawn, ...], step: Step) -> ScanLog:

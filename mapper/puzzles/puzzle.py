@@ -58,10 +58,10 @@ class Puzzle:
         values: Mapping[str, Any],
         trajectory: str,
         limits: Limits = DEFAULT_LIMITS,
-        wanted: Callable[[], bool] = lambda: True,
+        may_continue: Callable[[], bool] = lambda: True,
     ) -> Measures:
         """Return what is measured of the map of all scans with other parameters. Raises as :func:`mapped`."""
-        grid = mapped(self.shown, MappingConfig(**dict(values)), trajectory, limits, wanted)
+        grid = mapped(self.shown, MappingConfig(**dict(values)), trajectory, limits, may_continue)
         return measures_of(grid, self.reference)
 
 
@@ -70,16 +70,16 @@ def mapped(
     config: MappingConfig,
     trajectory: str,
     limits: Limits = DEFAULT_LIMITS,
-    wanted: Callable[[], bool] = lambda: True,
+    may_continue: Callable[[], bool] = lambda: True,
 ) -> OccupancyGrid:
     """Return the map of all scans of a log.
 
-    Raises :class:`WorkCancelledError` once ``wanted`` returns False, and :class:`mapper.core.errors.LimitError` for a
-    map that is too large.
+    Raises :class:`WorkCancelledError` once ``may_continue`` returns False, and :class:`mapper.core.errors.LimitError`
+    for a map that is too large.
     """
     grid = grid_for(log, config, trajectory, limits=limits)
     for _ in integrate_parts(grid, log, config, trajectory, 0, log.n_scans):
-        if not wanted():
+        if not may_continue():
             raise WorkCancelledError("puzzle.unwanted", "The map is not wanted any more.")
     return grid
 
@@ -89,7 +89,7 @@ def puzzle_of(
     cause: str,
     first: MappingConfig,
     limits: Limits = DEFAULT_LIMITS,
-    wanted: Callable[[], bool] = lambda: True,
+    may_continue: Callable[[], bool] = lambda: True,
     step: Callable[[float], None] = lambda _: None,
 ) -> Puzzle:
     """Return the puzzle of a spoiled log; ``first`` are the parameters that its values are set in.
@@ -99,13 +99,17 @@ def puzzle_of(
     step(0.0)
     start, repaired = first.with_values(spoiled.start), first.with_values(spoiled.repair)
     reference = mapped(
-        spoiled.reference, first.with_values(spoiled.reference_values), spoiled.reference_trajectory, limits, wanted
+        spoiled.reference,
+        first.with_values(spoiled.reference_values),
+        spoiled.reference_trajectory,
+        limits,
+        may_continue,
     )
     step(1.0 / 3.0)
     walls = wall_points(reference)
-    before = measures_of(mapped(spoiled.log, start, spoiled.trajectory, limits, wanted), walls)
+    before = measures_of(mapped(spoiled.log, start, spoiled.trajectory, limits, may_continue), walls)
     step(2.0 / 3.0)
-    after = measures_of(mapped(spoiled.log, repaired, spoiled.repaired_along, limits, wanted), walls)
+    after = measures_of(mapped(spoiled.log, repaired, spoiled.repaired_along, limits, may_continue), walls)
     changed = {name: value for name, value in asdict(repaired).items() if value != getattr(start, name)}
     return Puzzle(
         cause, spoiled.log, spoiled.trajectory, start, changed, spoiled.repair_trajectory, walls, before, after

@@ -100,12 +100,12 @@ class Checkpoints:
 
     def _thin_out(self) -> None:
         """Drop every second moment, never the last: a replay that started from a dropped one finds a later one."""
-        kept = self._moments[::-2][::-1]
+        moments = self._moments[::-2][::-1]
         self.spacing *= 2
         for tile, versions in self._versions.items():
             # What a tile was at a forgotten moment it still was at the next one, or it has a version of that.
-            self._versions[tile] = {kept[bisect_left(kept, moment)]: data for moment, data in versions.items()}
-        self._moments = kept
+            self._versions[tile] = {moments[bisect_left(moments, moment)]: data for moment, data in versions.items()}
+        self._moments = moments
         self._bytes = sum(len(data) + _OVERHEAD_BYTES for each in self._versions.values() for data in each.values())
 
     def restore(self, grid: OccupancyGrid, touched: NDArray[np.bool_], since: int, moment: int) -> CellBox | None:
@@ -119,7 +119,7 @@ class Checkpoints:
             place = bisect_left(self._moments, high)  # what changed up to a forgotten moment counts to the next one
             high = self._moments[place] if place < len(self._moments) else high
             for tile, versions in self._versions.items():
-                changed[tile] |= any(low < kept <= high for kept in versions)
+                changed[tile] |= any(low < version <= high for version in versions)
             tiles = _listed(changed)
             copies = [self._version(tile, moment) for tile in tiles]
         cell_statistics.begin(grid, self.config.strategy)
@@ -136,7 +136,7 @@ class Checkpoints:
     def _version(self, tile: Tile, moment: int) -> bytes | None:
         """Return a tile's contents at a moment, None for its initial contents."""
         versions = self._versions.get(tile, {})
-        newest = max((kept for kept in versions if kept <= moment), default=None)
+        newest = max((version for version in versions if version <= moment), default=None)
         return None if newest is None else versions[newest]
 
 

@@ -36,7 +36,7 @@ def map_series(
     trajectory: str | None = None,
     limits: Limits = DEFAULT_LIMITS,
     progress: Callable[[float], None] = lambda _: None,
-    wanted: Callable[[], bool] = lambda: True,
+    may_continue: Callable[[], bool] = lambda: True,
 ) -> Series:
     """Return what the scans of a log do to its map with ``config`` along ``trajectory`` (None: the default).
 
@@ -46,7 +46,7 @@ def map_series(
     they end in a free cell or pass an occupied one, and that more than :data:`TOLERANCE` cells away from where they end
     or from an occupied cell. A sonar's readings are cones, of which that is not told: NaN, as of a scan without
     readings. ``progress`` is called with the share that is done. Raises as :func:`grid_for`, and
-    :class:`WorkCancelledError` where ``wanted`` returns False.
+    :class:`WorkCancelledError` where ``may_continue`` returns False.
     """
     step = max(1, -(-log.n_scans // ROWS))
     newest = np.append(np.arange(step - 1, log.n_scans - 1, step), log.n_scans - 1)
@@ -57,7 +57,7 @@ def map_series(
         nonlocal done
         done += 1
         progress(done / (2 * len(newest)))
-        if not wanted():
+        if not may_continue():
             raise WorkCancelledError("series.unwanted", "The series is not wanted any more.")
 
     grid = grid_for(log, config, trajectory, limits)

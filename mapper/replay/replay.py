@@ -84,17 +84,17 @@ class IncrementalReplay:
         self._touched = np.zeros(tiles, dtype=np.bool_)  # tiles that may have changed since
 
     def go_to(
-        self, index: int, wanted: Callable[[], bool] = lambda: True, enough: Callable[[], bool] = lambda: False
+        self, index: int, may_continue: Callable[[], bool] = lambda: True, enough: Callable[[], bool] = lambda: False
     ) -> Change:
         """Bring the map to ``index`` scans, or on the way there up to the step after which ``enough`` returns True.
 
-        Raises :class:`WorkCancelledError` where ``wanted``, called between steps, returns False.
+        Raises :class:`WorkCancelledError` where ``may_continue``, called between steps, returns False.
         """
         moment = self.checkpoints.before(index)
         box = self._restore(moment) if index < self.index or moment > self.index else None
         count = 0
         while self.index < index:
-            if not wanted():
+            if not may_continue():
                 raise WorkCancelledError("replay.unwanted", "The map is not wanted any more.")
             change = self.step(index)
             count += change.cells_updated
@@ -111,8 +111,8 @@ class IncrementalReplay:
 
     def step(self, last: int) -> Change:
         """Add some scans, some hundredths of a second's work and not beyond ``last``; keep a checkpoint where due."""
-        kept = self.checkpoints
-        stop = kept.after(self.index, min(self.index + self._scans_at_once(), last))
+        checkpoints = self.checkpoints
+        stop = checkpoints.after(self.index, min(self.index + self._scans_at_once(), last))
         began = time.thread_time()
         change = integrate_scans(self.grid, self.log, self.config, self.trajectory, self.index, stop)
         self._in_time = scans_at_once(stop - self.index, time.thread_time() - began)
@@ -122,9 +122,9 @@ class IncrementalReplay:
         self.index = stop
         if change.box is not None:
             self._touched[_tiles_of(change.box)] = True
-        kept.reached = max(kept.reached, stop)
-        if kept.before(stop) == stop or (
-            kept.is_due(self._updates_since, self._touched) and kept.keep(self.grid, self._touched, stop)
+        checkpoints.reached = max(checkpoints.reached, stop)
+        if checkpoints.before(stop) == stop or (
+            checkpoints.is_due(self._updates_since, self._touched) and checkpoints.keep(self.grid, self._touched, stop)
         ):
             self._begin(stop)
         return change
@@ -165,8 +165,10 @@ class CheckpointPrefetcher:
     @staticmethod
     def is_worth(replay: IncrementalReplay) -> bool:
         """Whether the rest of the log is enough work to be noticed, but at most :data:`MOST_UPDATES`."""
-        kept, rate = replay.checkpoints, replay.updates_per_scan
-        return rate is not None and kept.spacing < rate * (replay.log.n_scans - kept.reached) < MOST_UPDATES
+        checkpoints, rate = replay.checkpoints, replay.updates_per_scan
+        return (
+            rate is not None and checkpoints.spacing < rate * (replay.log.n_scans - checkpoints.reached) < MOST_UPDATES
+        )
 
     def step(self) -> bool:
         """Work for some hundredths of a second, on this thread alone; return whether something is left to do."""
@@ -209,7 +211,7 @@ class Replay:
         self.trajectory = trajectory or log.default_trajectory
         self._replay = self._new_replay(log, MappingConfig() if config is None else config)
         self._under_way: tuple[IncrementalReplay, int] | None = None
-        self.wanted: Callable[[], bool] = lambda: True  #: called between steps: False cancels the computation
+        self.may_continue: Callable[[], bool] = lambda: True  #: called between steps: False cancels the computation
 
     def _new_replay(self, log: ScanLog, config: MappingConfig) -> IncrementalReplay:
         grid = grid_for(log, config, self.trajectory, self._limits, self._prior, self._bounds)
@@ -255,7 +257,7 @@ class Replay:
     def _go(self, replay: IncrementalReplay, index: int, enough: Callable[[], bool] = lambda: False) -> Change:
         self._under_way = (replay, index)
         try:
-            return replay.go_to(index, self.wanted, enough)
+            return replay.go_to(index, self.may_continue, enough)
         finally:
             self._under_way = None
 

@@ -27,16 +27,16 @@ def corrected_log(
     or last pose, and poses that were found from the scans stay. The map of the result without corrections is that of
     ``log`` with them. Of a :class:`JointLog` each sensor is corrected.
     """
-    wanted = np.asarray(mount, dtype=np.float64)
-    if not (wanted.any() or turned_over or time_offset):
+    target = np.asarray(mount, dtype=np.float64)
+    if not (target.any() or turned_over or time_offset):
         return log
     if isinstance(log, JointLog):
-        return each_part(log, partial(corrected_log, mount=wanted, turned_over=turned_over, time_offset=time_offset))
-    x, y, yaw = compose(log.mount, wanted).tolist()
+        return each_part(log, partial(corrected_log, mount=target, turned_over=turned_over, time_offset=time_offset))
+    x, y, yaw = compose(log.mount, target).tolist()
     return replace(
         log,
         mount=(x, y, yaw),
-        mounts=None if log.mounts is None else compose(log.mounts, wanted),
+        mounts=None if log.mounts is None else compose(log.mounts, target),
         upside_down=log.upside_down != turned_over,
         trajectories={name: _shifted(log, name, time_offset) for name in log.trajectories},
     )

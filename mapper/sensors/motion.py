@@ -85,17 +85,17 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
     name = trajectory or log.default_trajectory
     if isinstance(log, JointLog):
         return each_part(log, lambda part: at_middle_of_sweep(part, name, time_offset))
-    way = log.trajectory(name)
-    time_offset = way.offset_of_stamps(time_offset)
+    moved = log.trajectory(name)
+    time_offset = moved.offset_of_stamps(time_offset)
     times, sweep, ranges = seconds(log) + time_offset, 0.0, log.ranges
     if log.can_deskew(name):
         sweep = (log.n_beams - 1) * log.time_increment
     if log.n_scans and (sweep or time_offset):
         motion = Motion.of(log, name)
         dense = motion.is_dense(times, times + sweep)
-        way = replace(way, poses=motion.at(times + np.where(dense, 0.5 * sweep, 0.0)), timed=None)
+        moved = replace(moved, poses=motion.at(times + np.where(dense, 0.5 * sweep, 0.0)), timed=None)
         if time_offset:
             ranges = np.where(motion.covers(times)[:, np.newaxis], ranges, np.float32(np.nan))
-    if way.is_known is not None:
-        ranges = np.where(way.is_known[:, np.newaxis], ranges, np.float32(np.nan))
-    return replace(log, ranges=ranges, trajectories={name: way}, time_increment=0.0)
+    if moved.is_known is not None:
+        ranges = np.where(moved.is_known[:, np.newaxis], ranges, np.float32(np.nan))
+    return replace(log, ranges=ranges, trajectories={name: moved}, time_increment=0.0)

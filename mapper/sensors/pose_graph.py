@@ -94,11 +94,11 @@ class PoseGraph:
     def without_edge(self, edge: int) -> PoseGraph:
         """Return the graph without one of its loops. Raises :class:`ConfigError` for an edge that is no loop."""
         self._check_loop(edge)
-        kept = np.arange(len(self.i)) != edge
+        others = np.arange(len(self.i)) != edge
         return replace(
             self,
             **{
-                name: getattr(self, name)[kept]
+                name: getattr(self, name)[others]
                 for name in ("i", "j", "relative", "information", "kind", "locked", "residual", "weight")
             },
         )

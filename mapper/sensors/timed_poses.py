@@ -14,28 +14,26 @@ from mapper.sensors.georeference import NO_OFFSET, Offset
 Times = NDArray[np.int64] | NDArray[np.float64]
 
 
-def poses_at(times: Times, poses: NDArray[np.float64], wanted: Times) -> NDArray[np.float64]:
-    """Return the poses (..., 3) at the times ``wanted`` (...), from n ≥ 1 ``poses`` (n, 3) at ``times`` (n,).
+def poses_at(times: Times, poses: NDArray[np.float64], at: Times) -> NDArray[np.float64]:
+    """Return the poses (..., 3) at the times ``at`` (...), from n ≥ 1 ``poses`` (n, 3) at ``times`` (n,).
 
     The times are ascending, and of one unit with those wanted. Linear in position, the short way round in angle.
     Nothing is extrapolated: before the first and after the last pose it is that pose.
     """
-    return poses_between(times, poses, number_before(times, wanted), wanted)
+    return poses_between(times, poses, number_before(times, at), at)
 
 
-def number_before(times: Times, wanted: Times) -> NDArray[np.int64]:
-    """Return the index of the last of ``times`` (n,), ascending, at or before each of ``wanted``; 0 before all."""
-    return np.clip(np.searchsorted(times, wanted, side="right") - 1, 0, None)
+def number_before(times: Times, at: Times) -> NDArray[np.int64]:
+    """Return the index of the last of ``times`` (n,), ascending, at or before each of ``at``; 0 before all."""
+    return np.clip(np.searchsorted(times, at, side="right") - 1, 0, None)
 
 
-def poses_between(
-    times: Times, poses: NDArray[np.float64], low: NDArray[np.int64], wanted: Times
-) -> NDArray[np.float64]:
-    """Return the poses (..., 3) at ``wanted``, between the poses number ``low`` and the next; the two broadcast."""
+def poses_between(times: Times, poses: NDArray[np.float64], low: NDArray[np.int64], at: Times) -> NDArray[np.float64]:
+    """Return the poses (..., 3) at ``at``, between the poses number ``low`` and the next; the two broadcast."""
     high = np.minimum(low + 1, len(times) - 1)
     start, span = times[low], times[high] - times[low]
     with np.errstate(divide="ignore", invalid="ignore"):
-        weight = np.where(span > 0, np.clip((wanted - start) / span, 0.0, 1.0), 0.0)
+        weight = np.where(span > 0, np.clip((at - start) / span, 0.0, 1.0), 0.0)
     return interpolate(poses[low], poses[high], weight)
 
 

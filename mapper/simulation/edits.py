@@ -97,14 +97,14 @@ def edited(world: World, edits: Edits, limits: Limits = DEFAULT_LIMITS) -> World
             raise ConfigError("edit.outside", "Walls and boxes must lie within the world.")
     if not added and not edits.erased:
         return world
-    kept = [solid for i, solid in enumerate(world.solids) if i not in edits.erased]
-    return replace(world, solids=tuple(kept + added))
+    solids = [solid for i, solid in enumerate(world.solids) if i not in edits.erased]
+    return replace(world, solids=tuple(solids + added))
 
 
 def solid_ids(world: World, edits: Edits) -> list[int]:
     """Return an id for each solid of ``edited(world, edits)``: its index in ``world``, −1 − its place in ``added``."""
-    kept = [i for i in range(len(world.solids)) if i not in edits.erased]
-    return kept + [-1 - i for i in range(len(edits.added))]
+    ids = [i for i in range(len(world.solids)) if i not in edits.erased]
+    return ids + [-1 - i for i in range(len(edits.added))]
 
 
 def is_outer(world: World, solid: Polygon) -> bool:

@@ -52,7 +52,7 @@ class LiveMap:
         edits: Edits | None = None,
         *,
         mapping: bool = True,
-        wanted: Callable[[], bool] = lambda: True,
+        may_continue: Callable[[], bool] = lambda: True,
         make_corrector: MakeCorrector = lambda *_: None,
     ) -> None:
         """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`.
@@ -61,7 +61,9 @@ class LiveMap:
         """
         self._make_corrector = make_corrector
         sensor = sensor or SensorConfig()
-        self.wanted = wanted  #: called while maps are made: False ends that with :class:`WorkCancelledError`
+        self.may_continue = (
+            may_continue  #: called while maps are made: False ends that with :class:`WorkCancelledError`
+        )
         self.fraction: float | None = None  #: how much of the map that is being made is done; None while none is
         self._mapping = mapping
         self.seed = seed
@@ -156,7 +158,7 @@ class LiveMap:
                 stop = log.n_scans - (self.hidden if log is used[-1] else 0)
                 for at, _ in integrate_parts(grid, log, config, None, 0, stop):
                     self.fraction = (done + at) / max(1, total)
-                    if not self.wanted():
+                    if not self.may_continue():
                         raise WorkCancelledError("world.unwanted", "The map is not wanted any more.")
                 done += stop
         finally:
@@ -191,7 +193,7 @@ class LiveMap:
 
         def wanted(fraction: float) -> bool:
             self.fraction = fraction
-            return self.wanted()
+            return self.may_continue()
 
         try:
             for recording in self.recordings:
@@ -224,7 +226,7 @@ class LiveMap:
         changes = []
         for scan, pose in self.simulation.advance(dt):
             changes.append(self._take(scan, pose))
-            self.wanted()  # other computations may run here; the time passes in any case
+            self.may_continue()  # other computations may run here; the time passes in any case
         if self._has_moved and self._mapping:
             self.remake(self.config)
             changes.append(Change(None, geometry_changed=True, cells_updated=0))

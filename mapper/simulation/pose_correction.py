@@ -87,12 +87,12 @@ class PoseCorrection:
         self._last: tuple[PoseTuple, PoseTuple] | None = None  #: the newest scan's corrected pose, and its odometry
 
     def add(
-        self, recording: Recording, wanted: Callable[[float], bool] = lambda _: True, *, specular: bool = False
+        self, recording: Recording, may_continue: Callable[[float], bool] = lambda _: True, *, specular: bool = False
     ) -> bool:
         """Add the scans of a recording that are new; return whether poses of earlier ones have moved.
 
-        With ``specular`` their readings are those that polished walls leave. ``wanted`` takes the share that is done;
-        where it returns False, :class:`WorkCancelledError` is raised, and the rest can be added later.
+        With ``specular`` their readings are those that polished walls leave. ``may_continue`` takes the share that is
+        done; where it returns False, :class:`WorkCancelledError` is raised, and the rest can be added later.
         """
         part = self._parts.setdefault(id(recording), _Part(recording))
         log = recording.as_log()
@@ -100,7 +100,7 @@ class PoseCorrection:
         rows = np.flatnonzero(recording.numbers > part.newest).tolist()
         moved = False
         for done, row in enumerate(rows):
-            if not wanted(done / len(rows)):
+            if not may_continue(done / len(rows)):
                 raise WorkCancelledError("world.unwanted", "The corrected poses are not wanted any more.")
             ranges = recording.reported(slice(row, row + 1), specular=specular)[0]
             moved |= self._add_one(part, log, ranges, pose_tuple(odometry[row]))

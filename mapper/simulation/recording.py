@@ -89,12 +89,12 @@ class Recording:
         ``odometry`` (3,) is that pose as the wheels report it, None for the true one; ``longer`` (n_beams,) are the
         metres by which polished walls lengthen each reading, +inf for no return, None for none of them.
         """
-        wanted = (self.sensor.n_readings, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
-        given = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
-        if given != wanted:
+        expected = (self.sensor.n_readings, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
+        actual = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
+        if actual != expected:
             raise ConfigError(
                 "recording.scan",
-                f"A scan of (beams, angle_min, angle_increment, range_max) {given} is not of {wanted}.",
+                f"A scan of (beams, angle_min, angle_increment, range_max) {actual} is not of {expected}.",
             )
         if np.shape(base_pose) != (3,) or not all(map(math.isfinite, base_pose)):
             pose = np.asarray(base_pose, dtype=np.float64).tolist()

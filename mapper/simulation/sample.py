@@ -19,16 +19,16 @@ def sample_log(n_scans: int = 600, world: str = "office", seed: int = 5) -> Scan
     It has two trajectories: "true", and "odometry", which drifts as wheels do.
     """
     simulation = Simulation(WORLDS[world], SAMPLE_SENSOR, seed)
-    taken = simulation.advance((n_scans + 1) / SAMPLE_SENSOR.scan_rate)[:n_scans]
-    poses = np.array([pose for _, pose in taken])
+    scans = simulation.advance((n_scans + 1) / SAMPLE_SENSOR.scan_rate)[:n_scans]
+    poses = np.array([pose for _, pose in scans])
     odometry = drifting_odometry(poses, np.random.default_rng(seed))
     return ScanLog(
-        np.array([scan.ranges for scan, _ in taken]),
+        np.array([scan.ranges for scan, _ in scans]),
         SAMPLE_SENSOR.angle_min,
         SAMPLE_SENSOR.angle_increment,
         RANGE_MIN,
         SAMPLE_SENSOR.range_max,
-        np.array([scan.stamp_ns for scan, _ in taken]),
+        np.array([scan.stamp_ns for scan, _ in scans]),
         {
             "true": Trajectory(poses, "Where the simulated robot truly was.", "map"),
             "odometry": Trajectory(odometry, "What its wheels report: the truth with a drift that grows.", "odom"),

@@ -119,12 +119,12 @@ class Simulation:
         while self._rest >= STEP - 1e-9:
             self._rest = max(0.0, self._rest - STEP)
             count += 1
-        taken = []
+        scans = []
         while count:
             count -= self._drive_on(count)
             if self._steps * STEP >= self._next_scan - 1e-9:
-                taken.append(self._scan())
-        return taken
+                scans.append(self._scan())
+        return scans
 
     def _drive_on(self, most: int) -> int:
         """Take some physics steps, at least one and at most ``most``; return their number."""

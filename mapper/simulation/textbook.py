@@ -53,9 +53,9 @@ def distance_to_face(face: Float64Array, origin: Float64Array, direction: Float6
     if towards == 0.0:
         return math.inf
     t = float(normal @ (face[0] - origin)) / towards
-    kept = [axis for axis in range(3) if axis != int(np.argmax(np.abs(normal)))]
-    place = (origin + t * direction)[kept]
-    return t if t >= 0.0 and is_inside(face[:, kept], place) else math.inf
+    axes = [axis for axis in range(3) if axis != int(np.argmax(np.abs(normal)))]
+    place = (origin + t * direction)[axes]
+    return t if t >= 0.0 and is_inside(face[:, axes], place) else math.inf
 
 
 def cast_ray(faces: Iterable[Float64Array], origin: Float64Array, direction: Float64Array, range_max: float) -> float:
@@ -76,8 +76,8 @@ def relaxed(world: World, path: Float64Array, least: float, rounds: int) -> Floa
     for _ in range(rounds):
         moved = path.copy()
         moved[1:-1] = 0.5 * path[1:-1] + 0.25 * (path[:-2] + path[2:])
-        kept = world.clearance(moved) >= floor
-        path[kept] = moved[kept]
+        is_clear = world.clearance(moved) >= floor
+        path[is_clear] = moved[is_clear]
     return path
 
 

@@ -178,10 +178,10 @@ class FrontEnd:
 
     def _is_near(self, sensor: int) -> bool:
         """Return whether the newest scan was taken almost where the kept one before of its sensor was."""
-        kept = self._kept_of.get(self._store.sensor_numbers[sensor])
-        if kept is None:
+        keyframes = self._kept_of.get(self._store.sensor_numbers[sensor])
+        if keyframes is None:
             return False
-        x, y, yaw = between_one(self._poses[kept].tolist(), self.last.tolist())
+        x, y, yaw = between_one(self._poses[keyframes].tolist(), self.last.tolist())
         return math.hypot(x, y) < self._config.node_distance and abs(yaw) < self._config.node_turn
 
     def _note_velocity(self, seconds: float | None) -> None:

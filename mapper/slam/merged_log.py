@@ -35,12 +35,12 @@ def merged_log(logs: tuple[ScanLog, ScanLog], poses: tuple[Float64Array, Float64
     parts = [*_sensors(logs[0], poses[0], "/first", 0), *_sensors(logs[1], poses[1], "/second", shift)]
     if other_end < start:
         parts.reverse()
-    said = ""
+    note = ""
     if shift:
-        said = f"the second log’s clock is set {shift / 1e9:+.3f} s, so that it follows the first log"
+        note = f"the second log’s clock is set {shift / 1e9:+.3f} s, so that it follows the first log"
     if len(parts) == 2 and _are_alike(*parts):
-        return _one_after_the_other(*parts), said
-    return JointLog.of(parts), said
+        return _one_after_the_other(*parts), note
+    return JointLog.of(parts), note
 
 
 def _sensors(log: ScanLog, poses: Float64Array, name: str, shift: int) -> list[ScanLog]:

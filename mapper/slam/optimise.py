@@ -105,14 +105,14 @@ def optimise_newest(
     ``first`` is at least 1; the other parameters are those of :func:`optimise`. The time depends on the number of
     nodes that move and of loops they have, not on that of all nodes.
     """
-    kept = (graph.i >= first) | (graph.j >= first)
-    ends = np.column_stack([graph.i[kept], graph.j[kept]])
+    is_newest = (graph.i >= first) | (graph.j >= first)
+    ends = np.column_stack([graph.i[is_newest], graph.j[is_newest]])
     used = np.unique(ends)
     rows = np.searchsorted(used, ends)
     part = replace(
         graph, nodes=graph.nodes[used], poses=graph.poses[used], i=rows[:, 0], j=rows[:, 1],
-        relative=graph.relative[kept], information=graph.information[kept], kind=graph.kind[kept],
-        locked=graph.locked[kept], residual=graph.residual[kept], weight=graph.weight[kept],
+        relative=graph.relative[is_newest], information=graph.information[is_newest], kind=graph.kind[is_newest],
+        locked=graph.locked[is_newest], residual=graph.residual[is_newest], weight=graph.weight[is_newest],
     )  # fmt: skip
     system = SparseSystem(len(used), rows, np.flatnonzero(used < first))
     solved = optimise(part, robust=robust, robust_scale=robust_scale, max_iterations=max_iterations, system=system)

@@ -204,8 +204,8 @@ def neighbour_pairs(
             cost += np.abs(wrap_angle(poses[earlier, 2] - poses[row, 2]))
             earlier = earlier[np.argsort(cost, kind="stable")]
             rest = earlier[n // 2 :]
-            wanted = min(n - n // 2, len(rest))
-            spread = rest[(np.arange(wanted) + 1) * len(rest) // max(wanted, 1) - 1]
+            count = min(n - n // 2, len(rest))
+            spread = rest[(np.arange(count) + 1) * len(rest) // max(count, 1) - 1]
             chosen = np.concatenate([earlier[: n // 2], spread])
             neighbours.append(np.column_stack([chosen, np.full(len(chosen), row)]))
     neighbours += [np.column_stack([np.arange(m - k), np.arange(k, m)]) for k in range(1, min(before, m - 1) + 1)]

@@ -95,10 +95,10 @@ class ScanStore:
         self._rows.n_beams[n], self._rows.first[n], self._rows.step[n] = len(beams), beams.first, beams.step
         self._rows.wraps[n], self._rows.sensor[n] = beams.wraps, beams.sensor
         self._rows.kind[n] = NO_POINT
-        taken = np.ascontiguousarray(ranges[beams.indices], dtype=np.float32)
+        used = np.ascontiguousarray(ranges[beams.indices], dtype=np.float32)
         if self.can_deskew:
-            self._ranges[n, : len(beams)] = taken
-        self._write(n, taken, velocity)
+            self._ranges[n, : len(beams)] = used
+        self._write(n, used, velocity)
         self._n += 1
         return n
 

@@ -85,9 +85,9 @@ def information(
     """Return what :func:`mapper.slam.kernels.information.write_information` writes, with NumPy's linear algebra."""
     pairs = hessian - np.diag(prior)
     values, vectors = np.linalg.eigh(pairs[:2, :2])
-    kept = np.sqrt(np.maximum(values - false_share * values[1], 1e-9) / np.maximum(values, 1e-9))
+    shares = np.sqrt(np.maximum(values - false_share * values[1], 1e-9) / np.maximum(values, 1e-9))
     shrink = np.eye(3)
-    shrink[:2, :2] = vectors @ np.diag(kept) @ vectors.T
+    shrink[:2, :2] = vectors @ np.diag(shares) @ vectors.T
     c, s = np.cos(heading), np.sin(heading)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     own = turn.T @ (shrink @ pairs @ shrink + np.diag(prior)) @ turn * scale + 1e-3 * np.eye(3)

@@ -44,8 +44,8 @@ def share_contradicted(
     earlier = np.flatnonzero(is_earlier[: later[0]])
     scans = store.arrays
     counts, total = np.empty(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    wanted = np.searchsorted(driven, np.arange(driven[later[0]], driven[-1], EVERY))
-    for k in np.unique(wanted).tolist():
+    samples = np.searchsorted(driven, np.arange(driven[later[0]], driven[-1], EVERY))
+    for k in np.unique(samples).tolist():
         near = earlier[np.hypot(*(placed[earlier, :2] - placed[k, :2]).T) < AROUND]
         if not len(near):
             continue

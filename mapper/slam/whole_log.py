@@ -201,7 +201,7 @@ class _Work:
                     f"{len(recognized)} loops at recognized places are left out: with them more points lie where other "
                     "scans saw free space."
                 )
-        wanted = best.changed
+        changed = best.changed
         for number, (name, value) in enumerate(stricter.items(), 1):
             if best.agreement.is_consistent or len(best.run.slam) > LARGE:
                 break
@@ -210,7 +210,7 @@ class _Work:
                 continue
             at = begin + part * number
             other = best  # which ends the pass before
-            other = self.run(at, at + part, {**wanted, name: value}, best)
+            other = self.run(at, at + part, {**changed, name: value}, best)
             if self._score(other) > self._score(best):
                 best = other
         rules = [f"{name} {value:g}" for name, value in best.changed.items() if name in STRICTER]

@@ -115,8 +115,8 @@ def triples_of(n: int, trials: int) -> NDArray[np.int64]:
         for left in (n, n - 1, n - 2):
             state = (1664525 * state + 1013904223) % 2**32
             chosen = (state >> 8) % left
-            for taken in sorted(triple):
-                chosen += chosen >= taken
+            for index in sorted(triple):
+                chosen += chosen >= index
             triple.append(chosen)
         triples.append(triple)
     return np.array(triples, dtype=np.int64)

@@ -71,13 +71,13 @@ def module_text(path: str) -> str:
         projected, vertical, geodetic = (dict(database.execute(_AXIS.format(table=kind))) for kind in kinds)
         compound = database.execute(_COMPOUND).fetchall()
         sizes = {code: (name, size) for code, name, size in database.execute(_UNITS)}
-        said = dict(database.execute("SELECT key, value FROM metadata"))
+        metadata = dict(database.execute("SELECT key, value FROM metadata"))
     numbers = {*projected, *vertical, *geodetic, *(code for code, _, _ in compound)} & {*range(USER_DEFINED)}
     horizontal = projected | {code: projected[first] for code, first, _ in compound if first in projected}
     upright = vertical | {code: vertical[second] for code, _, second in compound if second in vertical}
     spans = spans_of(horizontal, numbers), spans_of(upright, numbers)
     used = sorted({*spans[0], *spans[1]})
-    head = _HEAD.format(version=said["EPSG.VERSION"], date=said["EPSG.DATE"], proj=said["PROJ.VERSION"])
+    head = _HEAD.format(version=metadata["EPSG.VERSION"], date=metadata["EPSG.DATE"], proj=metadata["PROJ.VERSION"])
     lines = [
         "#: number of a unit → its name, and its metres",
         "UNITS: Mapping[int, tuple[str, float]] = MappingProxyType({",

@@ -53,18 +53,18 @@ class BlockHash:
 
         Raises :class:`LimitError` for more blocks than the limits allow, and adds none of them.
         """
-        wanted = self.count + int((self.find(codes) < 0).sum())
-        if wanted > self.limits.max_blocks:
+        needed = self.count + int((self.find(codes) < 0).sum())
+        if needed > self.limits.max_blocks:
             raise LimitError(
                 "volume.too_large",
-                f"The map would need {wanted:,} blocks of 8 × 8 × 8 voxels, more than {self.limits.max_blocks:,}; "
+                f"The map would need {needed:,} blocks of 8 × 8 × 8 voxels, more than {self.limits.max_blocks:,}; "
                 "choose a coarser resolution or a shorter longest beam.",
             )
-        if 2 * wanted > len(self.table.codes):
-            self.table = _empty_table(1 << (2 * wanted).bit_length())
+        if 2 * needed > len(self.table.codes):
+            self.table = _empty_table(1 << (2 * needed).bit_length())
             add_blocks(self.table, self.codes, 0, np.empty(self.count, dtype=np.int32))
-        if wanted > self.capacity:
-            more = np.empty(max(wanted, self.capacity * 3 // 2), dtype=np.int64)
+        if needed > self.capacity:
+            more = np.empty(max(needed, self.capacity * 3 // 2), dtype=np.int64)
             more[: self.count] = self.codes
             self._codes = more
         slots = np.empty(len(codes), dtype=np.int32)

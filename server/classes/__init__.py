@@ -5,7 +5,6 @@ from server.classes.classes import (
     Classes,
     ClassNotFoundError,
     ClassRightError,
-    new_code,
     unknown_class,
 )
 from server.classes.classroom import Classroom, Member
@@ -18,7 +17,6 @@ __all__ = [
     "Classes",
     "Classroom",
     "Member",
-    "new_code",
     "results_csv",
     "unknown_class",
 ]

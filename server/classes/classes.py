@@ -119,8 +119,8 @@ class Classes:
         code = new_code()
         while code in self._classes or not self._is_own(code):
             code = new_code()
-        made = self._classes[code] = Classroom(code, owner, self._clock)
-        return made
+        classroom = self._classes[code] = Classroom(code, owner, self._clock)
+        return classroom
 
     def find(self, code: str) -> Classroom | None:
         """Return a class, None if there is none."""
@@ -158,8 +158,8 @@ class Classes:
             raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
         if classroom.places_taken(self.most_of_address) >= self._max_followers or classroom.is_full:
             raise ClassBudgetError("class.crowded", "This class is full.")
-        given = classroom.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
-        if classroom.present_of(address) >= self.most_of_address or given:
+        is_greedy = classroom.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
+        if classroom.present_of(address) >= self.most_of_address or is_greedy:
             raise _crowded_address()
 
     @contextmanager

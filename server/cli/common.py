@@ -80,6 +80,14 @@ def fail(message: str) -> NoReturn:
     raise typer.Exit(BAD_INPUT)
 
 
+def make_folder_of(path: Path) -> None:
+    """Make the folder of a file that is to be written, or end the command with an error."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        _fail_to_write(path, error)
+
+
 @contextmanager
 def output_file(path: Path) -> Iterator[IO[bytes]]:
     """Open a file that appears whole or not at all; one that cannot be written ends the command with a sentence."""
@@ -87,7 +95,11 @@ def output_file(path: Path) -> Iterator[IO[bytes]]:
         with atomic_write(path) as file:
             yield file
     except OSError as error:
-        fail(f"{path}: the file cannot be written: {error.strerror}.")
+        _fail_to_write(path, error)
+
+
+def _fail_to_write(path: Path, error: OSError) -> NoReturn:
+    fail(f"{path}: the file cannot be written: {error.strerror}.")
 
 
 @contextmanager
@@ -113,12 +125,12 @@ def _how_to_report(code: str) -> str:
 
 def _instead_of(path: Path, code: str) -> str | None:
     """Return what to do where a file that was read as no map, or as no cloud, is a log; None where it is none."""
-    wanted = next((text for begins, text in NOT_A_LOG.items() if code.startswith(begins)), None)
-    if wanted is None:
+    sentence = next((text for begins, text in NOT_A_LOG.items() if code.startswith(begins)), None)
+    if sentence is None:
         return None
     from mapper.io.logs import is_log  # noqa: PLC0415 - only on an error
 
-    return wanted.format(path=path) if is_log(path) else None
+    return sentence.format(path=path) if is_log(path) else None
 
 
 def print_json(values: Mapping[str, object]) -> None:
@@ -193,38 +205,40 @@ def set_values(rows: Mapping[str, Parameter], texts: Iterable[str], option: str 
 
     A name that is not in the table is returned with its text: the table refuses it.
     """
-    given: dict[str, object] = {}
+    values: dict[str, object] = {}
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals:
             fail(f"{option} needs NAME=VALUE, not {text!r:.80}.")
         name = name.strip().replace("-", "_")
-        given[name] = value_of(rows[name], value.strip()) if name in rows else value
-    return given
+        values[name] = value_of(rows[name], value.strip()) if name in rows else value
+    return values
 
 
 def given_parameters(values: Mapping[str, object], mount: str | None = None) -> dict[str, object]:
     """Return the given parameters, or end the command with an error."""
-    given: dict[str, object] = given_values(BY_NAME, values)
+    parameters: dict[str, object] = given_values(BY_NAME, values)
     if mount is not None:
-        given |= zip(MOUNT, numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True)
-    configured(given)
-    return given
+        parameters |= zip(
+            MOUNT, numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True
+        )
+    configured(parameters)
+    return parameters
 
 
-def configured(given: Mapping[str, object]) -> MappingConfig:
+def configured(values: Mapping[str, object]) -> MappingConfig:
     """Return the parameters with the given ones replaced, or end the command with an error."""
     try:
-        return MappingConfig().with_values(given)
+        return MappingConfig().with_values(values)
     except MapperError as error:
         fail(error.message)
 
 
 def given_cut(values: dict[str, object]) -> PlanarCut:
     """Take the options of planar cuts out of ``values``; return the cut, or end the command with an error."""
-    given = given_values(CUT_BY_NAME, {name: values.pop(name) for name in CUT_BY_NAME if name in values})
+    cut = given_values(CUT_BY_NAME, {name: values.pop(name) for name in CUT_BY_NAME if name in values})
     try:
-        return PlanarCut(**given)
+        return PlanarCut(**cut)
     except MapperError as error:
         fail(error.message)
 
@@ -234,14 +248,14 @@ def place(text: str) -> list[float]:
     return numbers("--at", "two numbers, X,Y in metres", 2, text)
 
 
-def numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
-    """Return the ``count`` numbers of an option, or end the command with an error that says what is ``wanted``."""
+def numbers(option: str, expected: str, count: int, text: str) -> list[float]:
+    """Return the ``count`` numbers of an option, or end the command with an error that says what is ``expected``."""
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
         values = []
     if len(values) != count:
-        fail(f"{option} needs {wanted}, not {text!r:.40}.")
+        fail(f"{option} needs {expected}, not {text!r:.40}.")
     return values
 
 

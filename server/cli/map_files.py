@@ -65,22 +65,22 @@ def describe_map(path: Path, *, as_json: bool) -> bool:
         if not is_map:
             return False
         loaded = load_map(path)
-    said, geometry, values = loaded.description, loaded.grid.geometry, loaded.values
+    description, geometry, values = loaded.description, loaded.grid.geometry, loaded.values
     counts = {"occupied": values == OCCUPIED, "free": values == FREE, "unknown": values == UNKNOWN}
     n_cells = {name: int(cells.sum()) for name, cells in counts.items()}
     n_cells["between"] = values.size - sum(n_cells.values())
     facts: dict[str, object] = {
         "name": path.name,
-        "format": f"map, {said.mode}",
-        "image": said.image,
+        "format": f"map, {description.mode}",
+        "image": description.image,
         "width": geometry.cols,
         "height": geometry.rows,
         "resolution": geometry.resolution,
         "origin": list(geometry.origin),
-        "negate": said.negate,
-        "occupied_thresh": said.occupied_thresh,
-        "free_thresh": said.free_thresh,
-        "frame": said.frame,
+        "negate": description.negate,
+        "occupied_thresh": description.occupied_thresh,
+        "free_thresh": description.free_thresh,
+        "frame": description.frame,
         **n_cells,
         "notes": list(loaded.notes),
     }
@@ -88,13 +88,13 @@ def describe_map(path: Path, *, as_json: bool) -> bool:
         print_json(facts)
         return True
     wide, high = geometry.cols * geometry.resolution, geometry.rows * geometry.resolution
-    typer.echo(f"{path.name}: {facts['format']}, of the image {said.image}")
+    typer.echo(f"{path.name}: {facts['format']}, of the image {description.image}")
     typer.echo(f"  {geometry.size_text} cells of {geometry.resolution:g} m: {wide:.2f} × {high:.2f} m")
     place = ", ".join(f"{value:.10g}" for value in geometry.origin)
-    typer.echo(f"  origin {place} (m, m, rad)" + ("" if said.frame is None else f", frame {said.frame}"))
+    typer.echo(f"  origin {place} (m, m, rad)" + ("" if description.frame is None else f", frame {description.frame}"))
     typer.echo(
-        f"  occupied above {said.occupied_thresh:g}, free below {said.free_thresh:g}"
-        + (", negated: dark is free" if said.negate else "")
+        f"  occupied above {description.occupied_thresh:g}, free below {description.free_thresh:g}"
+        + (", negated: dark is free" if description.negate else "")
     )
     shares = [f"{n} {name} ({100.0 * n / values.size:.1f} %)" for name, n in n_cells.items() if n or name != "between"]
     typer.echo(f"  {', '.join(shares)}")

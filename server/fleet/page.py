@@ -68,13 +68,13 @@ setInterval(() => document.activeElement.closest(".finder") || location.reload()
 
 def ordered(results: Sequence[Result], order: str = BY_NAME) -> list[tuple[Result, MapFacts]]:
     """Return the results with a map, by name or in one of :data:`ORDERS`; maps without that number come last."""
-    made = sorted(
+    mapped = sorted(
         ((result, result.facts) for result in results if result.facts is not None), key=lambda entry: entry[0].log
     )
     if order != BY_NAME:
         key = ORDERS[order][1]
-        made.sort(key=lambda entry: -math.inf if (value := key(entry[1])) is None else value, reverse=True)
-    return made
+        mapped.sort(key=lambda entry: -math.inf if (value := key(entry[1])) is None else value, reverse=True)
+    return mapped
 
 
 def line_of(result: Result, facts: MapFacts) -> str:
@@ -91,7 +91,7 @@ def write_page(fleet: Fleet, *, running: bool) -> None:
 
 def page(results: Sequence[Result], total: int, *, running: bool) -> str:
     """Return the page, which loads itself again while the fleet is ``running``."""
-    made = ordered(results)
+    cards = ordered(results)
     failed = sorted((result for result in results if result.failed), key=lambda failure: failure.log)
     state = "running" if running else "ended"
     rows = "".join(
@@ -104,7 +104,7 @@ def page(results: Sequence[Result], total: int, *, running: bool) -> str:
         f'<meta name="viewport" content="width=device-width"><title>{len(results)} of {total} logs</title>'
         f"<style>{STYLE}</style></head><body><main><h1>{len(results)} of {total} logs, {state}</h1>"
         f'<progress value="{len(results)}" max="{max(total, 1)}" aria-label="Logs done"></progress>{failures}'
-        f'<h2>Maps: {len(made)}</h2>{_finder()}<ol class="wall">{"".join(starmap(_card, made))}</ol></main>'
+        f'<h2>Maps: {len(cards)}</h2>{_finder()}<ol class="wall">{"".join(starmap(_card, cards))}</ol></main>'
         f"<script>{SCRIPT}{RELOAD if running else ''}</script></body></html>"
     )
 
@@ -156,9 +156,9 @@ def _card(result: Result, facts: MapFacts) -> str:
     file = f"maps/{result.key}.png"
     image = f'<a href="{file}"><img src="{file}" loading="lazy" alt="Map of {escape(_name(result))}"></a>'
     picture = image if facts.picture else ""
-    said = "".join(f"<li>{other}</li>" for other in others)
+    items = "".join(f"<li>{other}</li>" for other in others)
     title = f"{len(others)} more finding{'' if len(others) == 1 else 's'}"
-    more = f"<details><summary>{title}</summary><ul>{said}</ul></details>" if others else ""
+    more = f"<details><summary>{title}</summary><ul>{items}</ul></details>" if others else ""
     return (
         f'<li{data}>{picture}<div class="text"><p><a href="{escape(Path(result.log).as_uri())}">'
         f"{escape(_name(result))}</a></p>"

@@ -179,19 +179,19 @@ class Security:
             return None
         kind, _, bearer = headers.get("authorization", "").partition(" ")
         query = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
-        given = next((value for name, value in query if name == "token"), None)
+        token = next((value for name, value in query if name == "token"), None)
         is_bearer = kind.lower() == "bearer"
         address = (scope.get("client") or ("",))[0]
-        if is_bearer or given is not None:
+        if is_bearer or token is not None:
             wait_s = self._brake.wait_s(address)
             if wait_s > 0.0:
                 message = "Too many wrong tokens came from this network: try again later."
                 return error_response(429, "security.guesses", message, headers={"Retry-After": str(ceil(wait_s))})
-            if not (is_bearer and self._is_token(bearer.strip())) and not (given is not None and self._is_token(given)):
+            if not (is_bearer and self._is_token(bearer.strip())) and not (token is not None and self._is_token(token)):
                 self._brake.count(address)
         if is_bearer and self._is_token(bearer.strip()):
             return None
-        if given is not None and self._is_token(given):
+        if token is not None and self._is_token(token):
             if scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD"):
                 return None
             # Move the token from the address into a cookie: addresses are copied, shared and kept in histories.
@@ -207,8 +207,8 @@ class Security:
         message = "This service needs its access token: as ?token=…, or in the header Authorization: Bearer …"
         return error_response(401, "security.token", message, headers={"WWW-Authenticate": "Bearer"})
 
-    def _is_token(self, given: str) -> bool:
-        return self._token is not None and hmac.compare_digest(given.encode(), self._token.encode())
+    def _is_token(self, token: str) -> bool:
+        return self._token is not None and hmac.compare_digest(token.encode(), self._token.encode())
 
     def _guests_may(self, scope: Scope) -> bool:
         """Whether the route may be called without the token."""

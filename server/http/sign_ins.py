@@ -49,25 +49,25 @@ class SignIns:
 
     def cookie(self) -> str:
         """Return the cookie of a browser that has given the token."""
-        given, name = max(int(self._clock()), self._ended_until + 1), secrets.token_hex(12)
-        return f"{given:x}.{name}.{self._digest(given, name)}"
+        issued, name = max(int(self._clock()), self._ended_until + 1), secrets.token_hex(12)
+        return f"{issued:x}.{name}.{self._digest(issued, name)}"
 
     def is_valid(self, cookie: str) -> bool:
         """Return whether a cookie proves the token."""
         parsed = self._parsed(cookie)
         if parsed is None:
             return False
-        given, name = parsed
-        return self._ended_until < given and name not in self._ended and self._clock() - given < VALID_S
+        issued, name = parsed
+        return self._ended_until < issued and name not in self._ended and self._clock() - issued < VALID_S
 
     def end(self, cookie: str) -> None:
         """End one cookie. Raises :class:`OSError` if that cannot be recorded; it has ended all the same."""
         parsed = self._parsed(cookie)
         if parsed is None:
             return
-        given, name = parsed
+        issued, name = parsed
         with self._ending:
-            self._end({name: given})
+            self._end({name: issued})
             self._look()
             self._write()
 
@@ -89,7 +89,7 @@ class SignIns:
         """End what other services on the same database have ended."""
         with self._ending:
             self._ended_until = max(self._ended_until, ended.get(ALL, 0))
-            self._end({name: given for name, given in ended.items() if name != ALL})
+            self._end({name: issued for name, issued in ended.items() if name != ALL})
             self._look()
 
     @contextmanager
@@ -131,8 +131,8 @@ class SignIns:
             self._ended_until = max(self._ended_until, ended.pop(first))
         self._ended = ended
 
-    def _digest(self, given: int, name: str) -> str:
-        return hmac.digest(self._key or b"", f"{given:x}.{name}".encode(), hashlib.sha256).hex()
+    def _digest(self, issued: int, name: str) -> str:
+        return hmac.digest(self._key or b"", f"{issued:x}.{name}".encode(), hashlib.sha256).hex()
 
     def _parsed(self, cookie: str) -> tuple[int, str] | None:
         """Return when a cookie of this service was given and its name; None for any other text."""
@@ -140,11 +140,11 @@ class SignIns:
         if self._key is None or len(parts) != 3 or len(cookie) > 200:
             return None
         try:
-            given = int(parts[0], 16)
+            issued = int(parts[0], 16)
         except ValueError:
             return None
-        expected = self._digest(given, parts[1])
-        return (given, parts[1]) if hmac.compare_digest(parts[2].encode(), expected.encode()) else None
+        expected = self._digest(issued, parts[1])
+        return (issued, parts[1]) if hmac.compare_digest(parts[2].encode(), expected.encode()) else None
 
     def _read(self) -> None:
         try:

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from mapper.core.errors import ReadError
 from server.jobs import workers
-from server.jobs.process import WorkerJob
+from server.jobs.process import BoundedJob
 from server.jobs.workers import Worker
 
 LOOK_S = 0.2  #: how often a running job is looked at
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 async def outcome_of(
-    worker: Worker, job: WorkerJob[T], code: str = "log.reader_died", look: Callable[[], Awaitable[None]] | None = None
+    worker: Worker, job: BoundedJob[T], code: str = "log.reader_died", look: Callable[[], Awaitable[None]] | None = None
 ) -> T:
     """Have ``worker`` do ``job``, and return its result; ``look`` is called every :data:`LOOK_S` seconds while it does.
 
@@ -31,7 +31,7 @@ async def outcome_of(
         done = asyncio.wrap_future(worker.submit(job))
         done.add_done_callback(_read_error)
         # Its process has as long to notice that its time is over; then the worker is not asked any more.
-        deadline = time.monotonic() + job.timeout_s + 1.5 * workers.GRACE_S
+        deadline = time.monotonic() + job.limits.timeout_s + 1.5 * workers.GRACE_S
         while not done.done():
             left = deadline - time.monotonic()
             if left <= 0.0:

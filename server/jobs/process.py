@@ -16,10 +16,11 @@ import resource
 import signal
 import sys
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from mapper.core.errors import LimitError
 
@@ -39,43 +40,33 @@ class JobLimits:
     memory_bytes: int = 6 << 30
 
 
-class WorkerJob(Protocol[R_co]):
-    """A job of a worker process, within limits of elapsed and processor time and of address space."""
+class BoundedJob(ABC, Generic[R_co]):
+    """Base of the jobs of worker processes, within ``limits``.
 
-    @property
-    def timeout_s(self) -> float:
-        """Longest elapsed time, seconds."""
-
-    @property
-    def memory_bytes(self) -> int:
-        """Largest address space of the process, bytes."""
-
-    @property
-    def work(self) -> Callable[[Any], R_co]:
-        """The function that does the job, which is its only argument."""
-
-    def time_error(self) -> LimitError:
-        """Return the error for a job that took too long."""
-
-
-class BoundedJob:
-    """Base of jobs: their limits of time, and the errors of these; ``DOING`` and ``CODE`` as for :func:`bounded`."""
+    ``DOING`` and ``CODE`` are of its errors, as for :func:`bounded`. A job in the ``BACKGROUND`` has a lower priority.
+    """
 
     __slots__ = ()
 
     DOING: ClassVar[str] = READING
     CODE: ClassVar[str] = "log"
+    BACKGROUND: ClassVar[bool] = False
 
-    timeout_s: float
-    cpu_s: float
+    limits: JobLimits
+
+    @abstractmethod
+    def compute(self) -> R_co:
+        """Return the result of the job."""
+
+    def do(self) -> R_co:
+        """Return the result, in the process of the job. Raises as :func:`bounded`."""
+        if self.BACKGROUND:
+            lower_priority()
+        return bounded(self.limits.timeout_s, self.limits.cpu_s, self.compute, self.DOING, self.CODE)
 
     def time_error(self) -> LimitError:
         """Return the error for a job that took too long."""
-        return time_error(self.timeout_s, self.DOING, self.CODE)
-
-    def bounded(self, work: Callable[[], T]) -> T:
-        """Return what ``work`` returns, in the process of the job. Raises as :func:`bounded`."""
-        return bounded(self.timeout_s, self.cpu_s, work, self.DOING, self.CODE)
+        return time_error(self.limits.timeout_s, self.DOING, self.CODE)
 
 
 _report: Callable[[float], None] | None = None  #: reports the progress of this process
@@ -101,9 +92,9 @@ def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     with contextlib.suppress(ValueError, OSError):  # not every system can limit it
-        given = resource.getrlimit(resource.RLIMIT_AS)[1]
+        hard_limit = resource.getrlimit(resource.RLIMIT_AS)[1]
         # The limit of `ulimit -v` stays if it is the lower one: root could raise it.
-        most = memory_bytes if given == resource.RLIM_INFINITY else min(memory_bytes, given)
+        most = memory_bytes if hard_limit == resource.RLIM_INFINITY else min(memory_bytes, hard_limit)
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
@@ -146,10 +137,10 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
     """
     alarms = ((signal.SIGALRM, signal.ITIMER_REAL, timeout_s), (signal.SIGPROF, signal.ITIMER_PROF, cpu_s))
     used = resource.getrusage(resource.RUSAGE_SELF)
-    given = resource.getrlimit(resource.RLIMIT_CPU)
+    limits = resource.getrlimit(resource.RLIMIT_CPU)
     with contextlib.suppress(ValueError, OSError):
         last = math.ceil(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1  # whole seconds, as the kernel counts them
-        resource.setrlimit(resource.RLIMIT_CPU, (last, given[1]))
+        resource.setrlimit(resource.RLIMIT_CPU, (last, limits[1]))
     handlers = {number: signal.getsignal(number) for number, _, _ in alarms}
     try:
         for number, timer, seconds in alarms:
@@ -165,7 +156,7 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
         for number, handler in handlers.items():
             signal.signal(number, handler)
         with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_CPU, given)
+            resource.setrlimit(resource.RLIMIT_CPU, limits)
 
 
 def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = READING, code: str = "log") -> T:
@@ -194,6 +185,6 @@ def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> Lim
 def lower_priority() -> None:
     """Let the sessions be computed first; a process of a pool does it once."""
     if sys.platform == "linux":
-        wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
+        niceness = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
         with contextlib.suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))
+            os.setpriority(os.PRIO_PROCESS, 0, max(niceness, os.getpriority(os.PRIO_PROCESS, 0)))

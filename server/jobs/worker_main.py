@@ -38,10 +38,10 @@ def main() -> None:
             except FileNotFoundError:
                 os._exit(DIED)
 
-    process.begin(job.memory_bytes, report)
+    process.begin(job.limits.memory_bytes, report)
     result: object
     try:
-        result = job.work(job)
+        result = job.do()
     except MapperError as error:
         result = error
     except Exception as error:  # noqa: BLE001 - a reader's defect crosses to the server, which logs it

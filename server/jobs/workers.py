@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from server.jobs import process
-from server.jobs.process import WorkerJob
+from server.jobs.process import BoundedJob
 from server.process_folder import process_folder
 from server.storage import StorageError
 
@@ -47,7 +47,7 @@ class Worker(Protocol):
     async def prepare(self) -> None:
         """Begin the process of the next job beside the event loop, where it is one of this machine and not there."""
 
-    def submit(self, job: WorkerJob[T]) -> Future[T]:
+    def submit(self, job: BoundedJob[T]) -> Future[T]:
         """Have a job done in a process of its own, which keeps to the job's limits of memory and of time.
 
         The future raises what the job raises, as :class:`ReadError` or :class:`LimitError`, and
@@ -91,15 +91,15 @@ class PoolWorker:
         if self._pool is None:
             await asyncio.to_thread(self._begun)
 
-    def submit(self, job: WorkerJob[T]) -> Future[T]:
+    def submit(self, job: BoundedJob[T]) -> Future[T]:
         """Have a job done."""
         if self._progress is not None:
             self._progress.value = 0.0
         try:
-            return self._begun().submit(job.work, job)
+            return self._begun().submit(job.do)
         except BrokenExecutor:  # the process died while it had nothing to do: no fault of this log
             self.end()
-            return self._begun().submit(job.work, job)
+            return self._begun().submit(job.do)
 
     def _begun(self) -> ProcessPoolExecutor:
         """Return the pool, with its process begun (any thread)."""
@@ -164,7 +164,7 @@ class ExecutorWorker:
     async def prepare(self) -> None:
         """Begin nothing: the executor's workers are there, or are its own matter."""
 
-    def submit(self, job: WorkerJob[T]) -> Future[T]:
+    def submit(self, job: BoundedJob[T]) -> Future[T]:
         """Have a job done."""
         self.end()
         lease = self._lease = self._folder / f"{uuid.uuid4().hex}.lease"
@@ -188,7 +188,7 @@ class ExecutorWorker:
         self._executor.shutdown(wait=True)
 
 
-def do_in_process(job: WorkerJob[T], lease: str) -> T:
+def do_in_process(job: BoundedJob[T], lease: str) -> T:
     """Do a job in a process of its own, and raise as it does; :class:`BrokenExecutor` where it was ended."""
     command = [sys.executable, "-m", "server.jobs.worker_main"]
     try:
@@ -196,7 +196,7 @@ def do_in_process(job: WorkerJob[T], lease: str) -> T:
             command,
             input=pickle.dumps((job, lease)),
             stdout=subprocess.PIPE,
-            timeout=job.timeout_s + GRACE_S,
+            timeout=job.limits.timeout_s + GRACE_S,
             check=False,
         )
     except subprocess.TimeoutExpired:

@@ -17,6 +17,7 @@ from mapper.io.contents.model import Contents, Series
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.jobs.leases import Leases
+from server.jobs.process import JobLimits
 from server.jobs.record import Failure
 from server.jobs.workers import Worker, worker_at
 from server.library.annotations.added import Added
@@ -145,11 +146,11 @@ class Library:
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         reading, added = (self._jobs, self._readers), (self.tags, self.trajectories)
         self._visible = VisibleLogs(self._catalogue, self._folder, self._sample, reading, added)
-        timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
-        self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
-        self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
+        of_lookups = JobLimits(self._limits.read_timeout_s, self._limits.read_cpu_s, memory)
+        self._inspections = Inspections(self._catalogue, of_lookups)
+        self.scores = RelationScores(self._catalogue, scratch, of_lookups)
         self._pictures = MomentPictures(self._catalogue)
-        self._fields = FieldLookups(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s)
+        self._fields = FieldLookups(self._catalogue, of_lookups)
         scans = Scans(self._catalogue, self._readers, self._cache, scratch)
         self._loading = Loading(self.get, self._catalogue, self._jobs, self._readers, self._sample, scans, self._cache)
 
@@ -215,8 +216,8 @@ class Library:
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        taken = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
-        return self._limits.max_total_bytes - taken
+        used = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
+        return self._limits.max_total_bytes - used
 
     # -- uploads ------------------------------------------------------------------------------------------------
 

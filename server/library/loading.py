@@ -60,9 +60,9 @@ class Loading:
         if len(names) > MAX_TOGETHER:
             raise LimitError("log.sensors", f"At most {MAX_TOGETHER} sensors are mapped together here.")
         key = f"{log_id}#{SEPARATOR.join(names)}#{'' if cut is None else cut.values}"
-        kept = self.cache.get(key)
-        if kept is not None:
-            return kept
+        cached = self.cache.get(key)
+        if cached is not None:
+            return cached
         parts = [await self._load(owner, log_id, name, cut) for name in dict.fromkeys(names)]
         try:
             joint = await asyncio.to_thread(JointLog.of, parts)
@@ -88,9 +88,9 @@ class Loading:
             record = await self._settled(owner, log_id)
             if topic not in [topic.name for topic in (record.summary.topics if record.summary else ()) if topic.chosen]:
                 return await self.scans.of_sensor(record, topic)
-        kept = self.cache.get(log_id)
-        if kept is not None:
-            return kept
+        cached = self.cache.get(log_id)
+        if cached is not None:
+            return cached
         if record.summary is not None and record.summary.costmaps:
             raise ReadError("log.no_scans", "The recording has costmaps and no scans.")
         if record.summary is not None and record.summary.clouds:

@@ -38,9 +38,9 @@ class Scans:
     async def packed(self, record: Record) -> ScanLog:
         """Return the log in its pack. Raises :class:`StalePackError` for a missing or outdated pack."""
         async with self._unpacking:  # concurrent callers share the log, and only one is unpacked at a time
-            kept = self._cache.get(record.id)
-            if kept is not None:
-                return kept
+            cached = self._cache.get(record.id)
+            if cached is not None:
+                return cached
             await self._catalogue.fetch(record.id)
             log = await asyncio.to_thread(read_pack, self._catalogue.pack(record.id))
             log = replace(log, name=record.name)
@@ -87,9 +87,9 @@ class Scans:
         """
         key = f"{record.id}#{topic}#{'' if cut is None else cut.values}"
         async with self._unpacking:
-            kept = self._cache.get(key)
-            if kept is not None:
-                return kept
+            cached = self._cache.get(key)
+            if cached is not None:
+                return cached
             if cut is None:
                 await self._catalogue.fetch(record.id)
                 with suppress(StalePackError, NotPackedError):
@@ -98,9 +98,9 @@ class Scans:
                     self._cache.put(key, log)
                     return log
         async with self._readers.of(record).turn(record.owner):
-            kept = self._cache.get(key)
-            if kept is not None:
-                return kept
+            cached = self._cache.get(key)
+            if cached is not None:
+                return cached
             pack = self._scratch / f"{secrets.token_hex(10)}.npz"
             try:
                 await self._read_now(record, pack, topic, cut)

@@ -18,7 +18,7 @@ from server.puzzles.spec import AS_IT_IS, LogSpec, WorldSpec
 from server.sources.log_recording import first_config
 from server.sources.simulation_replay import replayed
 
-Wanted = Callable[[], bool]
+MayContinue = Callable[[], bool]
 Tell = Callable[[str, float | None], None]
 """Told what is being done, and which share of it is done, None if unknown."""
 DRIVING, MAPPING = "Driving through the world", "Mapping the drive"
@@ -27,8 +27,8 @@ DRIVING, MAPPING = "Driving through the world", "Mapping the drive"
 class PuzzleSource(Protocol):
     """Makes a puzzle on a worker thread."""
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
-        """Return the puzzle. Raises as the mapper does, and ``WorkCancelledError`` once ``wanted`` returns False."""
+    def make(self, limits: Callable[[], Limits], may_continue: MayContinue, tell: Tell) -> Puzzle:
+        """Return the puzzle. Raises as the mapper, and ``WorkCancelledError`` once ``may_continue`` returns False."""
 
 
 def puzzle_config(log: ScanLog) -> MappingConfig:
@@ -36,9 +36,9 @@ def puzzle_config(log: ScanLog) -> MappingConfig:
     return first_config(log).with_values({"hit_and_passed": "both_count"})
 
 
-def _ready(spoiled: Spoiled, cause: str, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
+def _ready(spoiled: Spoiled, cause: str, limits: Callable[[], Limits], may_continue: MayContinue, tell: Tell) -> Puzzle:
     first = puzzle_config(spoiled.reference)
-    return puzzle_of(spoiled, cause, first, limits(), wanted, lambda done: tell(MAPPING, done))
+    return puzzle_of(spoiled, cause, first, limits(), may_continue, lambda done: tell(MAPPING, done))
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,16 +47,16 @@ class RecipeSource:
 
     name: str
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
+    def make(self, limits: Callable[[], Limits], may_continue: MayContinue, tell: Tell) -> Puzzle:
         """Return the puzzle."""
         recipe = RECIPES[self.name]
 
         def step(done: float) -> None:
             tell(DRIVING, done)
-            if not wanted():
+            if not may_continue():
                 raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
 
-        return _ready(recipe.make(step), recipe.cause, limits, wanted, tell)
+        return _ready(recipe.make(step), recipe.cause, limits, may_continue, tell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,16 +65,16 @@ class WorldSource:
 
     spec: WorldSpec
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
+    def make(self, limits: Callable[[], Limits], may_continue: MayContinue, tell: Tell) -> Puzzle:
         """Return the puzzle of the recording with most scans."""
         spec = self.spec
         tell(DRIVING, None)
         history = spec.history
         driven = history.model_copy(update={"faults": {}, "parameters": {}})
-        mapper = replayed(driven, limits=limits, wanted=wanted)
+        mapper = replayed(driven, limits=limits, may_continue=may_continue)
         clean = _renamed(max(mapper.logs(Faults()), key=lambda log: log.n_scans))
         if spec.fault != AS_IT_IS:
-            return _ready(spoil(clean, spec.cause, spec.seed, TRUE), spec.cause, limits, wanted, tell)
+            return _ready(spoil(clean, spec.cause, spec.seed, TRUE), spec.cause, limits, may_continue, tell)
         faults = Faults().with_values(history.faults)
         shown = _renamed(max(mapper.logs(replace(faults, slam=False)), key=lambda log: log.n_scans))
         drifts = faults.drift and not faults.slam
@@ -86,7 +86,7 @@ class WorldSource:
             history.parameters,
             repair_trajectory=TRUE if drifts else "",
         )
-        return _ready(spoiled, spec.cause, limits, wanted, tell)
+        return _ready(spoiled, spec.cause, limits, may_continue, tell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,15 +96,15 @@ class LogSource:
     spec: LogSpec
     log: ScanLog
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
+    def make(self, limits: Callable[[], Limits], may_continue: MayContinue, tell: Tell) -> Puzzle:
         """Return the puzzle of the log's first scans."""
         if isinstance(self.log, JointLog):
             raise ConfigError("puzzle.sensors", "A puzzle uses one sensor: choose one of the log’s sensors.")
         spec, log = self.spec, shortened(self.log)
         name = spec.view.trajectory or log.default_trajectory
         if spec.fault != AS_IT_IS:
-            return _ready(spoil(log, spec.cause, spec.seed, name), spec.cause, limits, wanted, tell)
-        return _ready(Spoiled(log, name, log, name, spec.values), spec.cause, limits, wanted, tell)
+            return _ready(spoil(log, spec.cause, spec.seed, name), spec.cause, limits, may_continue, tell)
+        return _ready(Spoiled(log, name, log, name, spec.values), spec.cause, limits, may_continue, tell)
 
 
 def _renamed(log: ScanLog) -> ScanLog:

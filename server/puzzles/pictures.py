@@ -1,7 +1,8 @@
 """Small pictures of the maps of the puzzles that come with the program, as they are when an attempt begins.
 
-They are files of the program, which ``python -m server.puzzles.draw_pictures`` makes: to drive and to map for all of
-them takes several seconds of a processor that has nothing else to do.
+They are files of the program: to drive and to map for all of them takes several seconds of a processor that has nothing
+else to do. ``python -m server.puzzles.pictures`` writes them. Run it after a change of a puzzle, of the simulation or
+of the mapping; the test of ``codes_of`` fails until then.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from mapper.grid.occupancy_grid import FREE, OCCUPIED, OccupancyGrid
 from mapper.puzzles import RECIPES
 from mapper.puzzles.puzzle import mapped
 from mapper.replay.overview import SIDE, cells_overview
-from server.library.packs.picture import read_picture
+from server.library.packs.picture import read_picture, write_codes
 from server.puzzles.making import puzzle_config
 
 FOLDER = Path(__file__).parent / "map_pictures"  #: of the files, in the colours of a light page
@@ -54,3 +55,17 @@ def picture_codes(grid: OccupancyGrid, log_odds_min: float) -> UInt8Array:
     occupied, free = state == OCCUPIED, (state == FREE) | (grid.observed & (grid.log_odds <= log_odds_min))[seen]
     pixels = np.ones(2 * (max(1, SIDE // max(free.shape)),), dtype=np.bool_)
     return cells_overview(np.kron(free, pixels), np.kron(occupied, pixels))
+
+
+def main() -> None:
+    """Write a file for each puzzle, and remove the files of other puzzles."""
+    FOLDER.mkdir(exist_ok=True)
+    for file in FOLDER.glob("*.png"):
+        if file.stem not in RECIPES:
+            file.unlink()
+    for name in RECIPES:
+        write_codes(codes_of(name), FOLDER / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -56,7 +56,7 @@ class Puzzles:
         return RecipeSource(name)
 
     def _puzzle(
-        self, key: str, source: PuzzleSource, limits: Callable[[], Limits], wanted: Callable[[], bool], tell: Tell
+        self, key: str, source: PuzzleSource, limits: Callable[[], Limits], may_continue: Callable[[], bool], tell: Tell
     ) -> Puzzle:
         with self._lock:
             known = self._ready.get(key)
@@ -64,19 +64,19 @@ class Puzzles:
                 self._ready.move_to_end(key)
                 return known
         while not self._making.acquire(timeout=LOOK_S):
-            if not wanted():  # which lets the sessions compute that wait for this thread
+            if not may_continue():  # which lets the sessions compute that wait for this thread
                 raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
         try:
             with self._lock:
                 known = self._ready.get(key)
-            made = known or source.make(limits, wanted, tell)
+            puzzle = known or source.make(limits, may_continue, tell)
         finally:
             self._making.release()
         with self._lock:
-            self._ready[key] = made
+            self._ready[key] = puzzle
             while len(self._ready) > KEPT:
                 self._ready.popitem(last=False)
-        return made
+        return puzzle
 
     def plan(self, key: str, source: PuzzleSource, title: str, name: str | None) -> Plan:
         """Return the plan of a session that shows a puzzle: the whole map, paused."""

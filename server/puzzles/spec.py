@@ -100,15 +100,15 @@ def spec_of_world(history: SimulationHistory, cause: str, seed: int, *, cone: bo
 
     A world of which only the pose is known, and not the drive, is refused.
     """
-    wanted = _checked(cause)
+    kind = _checked(cause)
     if history.journal is None:
         raise ConfigError("puzzle.story", "The history of this world is too long to be repeated: press Reset first.")
-    named = cause_of(history.parameters, history.faults, cone=cone) if wanted == AS_IT_IS else wanted
-    return WorldSpec(history, wanted, named, seed)
+    named = cause_of(history.parameters, history.faults, cone=cone) if kind == AS_IT_IS else kind
+    return WorldSpec(history, kind, named, seed)
 
 
 def spec_of_log(view: LogView, values: Values, cause: str, seed: int, *, cone: bool) -> LogSpec:
     """Return the spec of a puzzle of a log: ``view`` names its sensor and poses, ``values`` are those that differ."""
-    wanted = _checked(cause)
-    named = cause_of(values, {}, cone=cone) if wanted == AS_IT_IS else wanted
-    return LogSpec(SensorView(view.topic, view.trajectory, view.cut), values, wanted, named, seed)
+    kind = _checked(cause)
+    named = cause_of(values, {}, cone=cone) if kind == AS_IT_IS else kind
+    return LogSpec(SensorView(view.topic, view.trajectory, view.cut), values, kind, named, seed)

@@ -37,14 +37,14 @@ class Following:
 
     def reported(self, position: ArrayLike, look_at: ArrayLike) -> None:
         """Note where a browser's camera is: where it was told to be some time ago, unless somebody has moved it."""
-        told = list(self._told)
-        for number, (place, _) in enumerate(told):
+        reports = list(self._told)
+        for number, (place, _) in enumerate(reports):
             if np.allclose(position, place, atol=1e-3):
                 for _ in range(number):
                     self._told.popleft()
                 return
-        if told:
-            sight = told[0][1]
+        if reports:
+            sight = reports[0][1]
             self._moved = seen_from(position, sight), seen_from(look_at, sight)
 
     def forget_told(self) -> None:

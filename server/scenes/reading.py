@@ -49,10 +49,10 @@ async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Draw
         drawings = [*drawings, *axes_and_grid(controls.bounds or DEFAULT_BOUNDS, controls.heights[0])]
         if len({drawing.name for drawing in drawings}) < len(drawings):
             raise ValueError(f"two drawings have one name: {sorted(drawing.name for drawing in drawings)}")
-        wanted = [drawing for drawing in drawings if due(drawing)]
-        live = [drawing for drawing in wanted if drawers[type(drawing)].reads_live_arrays]
+        due_drawings = [drawing for drawing in drawings if due(drawing)]
+        live = [drawing for drawing in due_drawings if drawers[type(drawing)].reads_live_arrays]
         read = await asyncio.to_thread(_read, live, drawers) if live else {}
-    read |= _read([drawing for drawing in wanted if drawing.name not in read], drawers)
+    read |= _read([drawing for drawing in due_drawings if drawing.name not in read], drawers)
     return SceneState(read_at, tuple(read.get(drawing.name, Reading(drawing, None)) for drawing in drawings), controls)
 
 

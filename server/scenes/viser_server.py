@@ -54,7 +54,7 @@ def size_of(value: Any) -> int:  # noqa: ANN401 - any field of a message
     if isinstance(value, dict):
         return sum(size_of(value_) for value_ in value.values())
     if isinstance(value, Message) or is_dataclass(value):
-        return sum(size_of(held) for held in vars(value).values())
+        return sum(size_of(part) for part in vars(value).values())
     return 0
 
 

@@ -269,5 +269,5 @@ def _check(name: str, array: NDArray[Any], dtype: str, shape: tuple[int | None, 
     """Raise :class:`ValueError` unless ``array`` has this type and shape; None is any length."""
     fits = len(shape) == array.ndim and all(b in (None, a) for a, b in zip(array.shape, shape, strict=True))
     if array.dtype != np.dtype(dtype) or not fits:
-        wanted = ", ".join("n" if side is None else str(side) for side in shape)
-        raise ValueError(f"{name} must be ({wanted}) of {np.dtype(dtype)}, not {array.shape} of {array.dtype}")
+        expected = ", ".join("n" if side is None else str(side) for side in shape)
+        raise ValueError(f"{name} must be ({expected}) of {np.dtype(dtype)}, not {array.shape} of {array.dtype}")

@@ -20,7 +20,7 @@ from server.sessions.graph_answers import (
     TriedLoopScans,
     TriedNear,
 )
-from server.sessions.view import GraphChange, LogView, Pose, Wanted
+from server.sessions.view import GraphChange, LogView, MapRequest, Pose
 from server.stream.message_parts import Compared
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ class Comparable(ABC):
     """The comparison of a session's map, B, with another one, A."""
 
     @abstractmethod
-    async def compare(self, wanted: Wanted | None) -> None:
+    async def compare(self, requested: MapRequest | None) -> None:
         """Compare with another map; None ends the comparison. Raises :class:`mapper.core.errors.MapperError`."""
 
     @abstractmethod

@@ -160,7 +160,7 @@ class SessionRegistry:
     async def create(
         self,
         kind: Kind,
-        wanted: SessionRequest,
+        request: SessionRequest,
         visitor: str,
         library: Library,
         *,
@@ -168,8 +168,8 @@ class SessionRegistry:
         place: str = "",
     ) -> SessionHost:
         """Begin the session that a visitor requested. Raises as the kind's plan and :meth:`begin`."""
-        with self.under_way.making(visitor, wanted.name) as making:
-            plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s, making))
+        with self.under_way.making(visitor, request.name) as making:
+            plan = await kind.plan(request, Resources(visitor, library, self._settings.max_story_s, making))
             return await self._begin(plan, visitor, making, address=address, place=place)
 
     async def begin(
@@ -262,8 +262,8 @@ class SessionRegistry:
         others, elsewhere = [s for s in self._sessions.copy().values() if s is not session], self._others()
         room = self._settings.max_total_cells - elsewhere.cells - sum(s.cells for s in others)
         if guest:  # all guests together have at most half of the cells
-            taken = elsewhere.guests_cells + sum(s.cells for s in others if s.link is not None)
-            room = min(room, self._settings.max_total_cells // 2 - taken)
+            used = elsewhere.guests_cells + sum(s.cells for s in others if s.link is not None)
+            room = min(room, self._settings.max_total_cells // 2 - used)
         if owner is not None:  # one visitor has at most half, but at least one grid of the largest size
             share = max(self._settings.max_total_cells // 2, self._settings.max_cells)
             room = min(room, share - sum(s.cells for s in others if s.owner == owner))

@@ -32,8 +32,8 @@ class LogView:
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
-    """A requested comparison: with a map of ``log`` (None: the session's own) and the poses of ``trajectory``.
+class MapRequest:
+    """A requested map to compare with: that of ``log`` (None: the session's own) and the poses of ``trajectory``.
 
     ``values`` are the parameters set for that map; all others are the session's.
     """

@@ -82,9 +82,10 @@ class CostmapsModel(SessionModel, Costed, Viewed):
     @property
     def footprint(self) -> Footprint:
         """The cells of the greatest costmap, and bytes of all as cells."""
-        kept = [costmap for stream in self._streams.values() for costmap in stream.kept]
+        costmaps = [costmap for stream in self._streams.values() for costmap in stream.kept]
         return Footprint(
-            max(costmap.geometry.rows * costmap.geometry.cols for costmap in kept) + sum(len(k.packed) for k in kept)
+            max(costmap.geometry.rows * costmap.geometry.cols for costmap in costmaps)
+            + sum(len(k.packed) for k in costmaps)
         )
 
     def view(self) -> LogView:

@@ -118,7 +118,7 @@ class LogModel(SessionModel):
         """The map is brought to the scans of ``view``, and the log is paused there. ``first``: see the recording."""
         self._times = play_times(replay.log.stamps_ns)
         super().__init__(_playback(self._times))
-        replay.wanted = host.may_continue
+        replay.may_continue = host.may_continue
         self._host = host
         self._title = title or replay.log.name
         self._time = 0.0  #: seconds of play

@@ -66,29 +66,29 @@ def log_plan(
     return Plan(make, logs=(log,), name=name, playing=playing)
 
 
-async def _plan(wanted: NewLog, resources: Resources) -> Plan:
+async def _plan(request: NewLog, resources: Resources) -> Plan:
     library, making = resources.library, resources.making
-    view = LogView(wanted.topic, wanted.trajectory, cut=wanted.cut)
-    making.watched = lambda: library.opening(wanted.log)
+    view = LogView(request.topic, request.trajectory, cut=request.cut)
+    making.watched = lambda: library.opening(request.log)
     try:
-        costmaps = await library.costmaps(resources.visitor, wanted.log)
+        costmaps = await library.costmaps(resources.visitor, request.log)
         if costmaps is not None:
-            title = library.get(resources.visitor, wanted.log).name
-            view = LogView(trajectory=wanted.topic)
-            return costmaps_plan(costmaps, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
-        given = await library.reference_map(resources.visitor, wanted.log)
-        if given is not None:
-            return _map_plan(given)
-        summary = library.get(resources.visitor, wanted.log).summary
+            title = library.get(resources.visitor, request.log).name
+            view = LogView(trajectory=request.topic)
+            return costmaps_plan(costmaps, log_id=request.log, title=title, view=view, playing=request.playing)
+        reference = await library.reference_map(resources.visitor, request.log)
+        if reference is not None:
+            return _map_plan(reference)
+        summary = library.get(resources.visitor, request.log).summary
         if summary is not None and summary.clouds:
-            return await volume_plan(resources, wanted.log, wanted.topic, name=wanted.name, playing=wanted.playing)
-        log = await library.load(resources.visitor, wanted.log, wanted.topic, view.planar_cut)
+            return await volume_plan(resources, request.log, request.topic, name=request.name, playing=request.playing)
+        log = await library.load(resources.visitor, request.log, request.topic, view.planar_cut)
     finally:
         making.watched = None
-    title = resources.library.get(resources.visitor, wanted.log).name
-    if wanted.whole:
+    title = resources.library.get(resources.visitor, request.log).name
+    if request.whole:
         view = replace(view, index=log.n_scans)
-    return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing and not wanted.whole)
+    return log_plan(log, log_id=request.log, title=title, view=view, playing=request.playing and not request.whole)
 
 
 def costmaps_plan(
@@ -104,13 +104,13 @@ def costmaps_plan(
     return Plan(make, name=name, playing=playing)
 
 
-def _map_plan(given: ReferenceMap) -> Plan:
+def _map_plan(reference: ReferenceMap) -> Plan:
     """Return the plan of a session that shows and edits a map."""
 
     def make(host: ModelHost, making: Making) -> SessionModel:  # noqa: ARG001 - as all plans
         from server.sources.map import MapModel  # noqa: PLC0415 - few uploads are maps
 
-        return MapModel(host, given)
+        return MapModel(host, reference)
 
     return Plan(make, playing=False)
 

@@ -102,17 +102,19 @@ def first_config(log: ScanLog) -> MappingConfig:
     return MappingConfig().with_values(recorded_defaults(log.beam_width, {"range_max": range_max}))
 
 
-def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
+def first_replay(
+    log: ScanLog, view: LogView, limits: Limits, may_continue: Callable[[], bool] = lambda: True
+) -> Replay:
     """Return the replay of a session before the first scan: as in ``view``, with larger cells if the map is too large.
 
-    Raises :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False.
+    Raises :class:`mapper.core.errors.WorkCancelledError` if ``may_continue`` returns False.
     """
     # Values are all those of a map: a link that was made before there was a parameter has the table's value of it.
     config = first_config(log) if view.values is None else MappingConfig().with_values(view.values)
     for resolution in (*(resolution for resolution in COARSER if resolution > config.resolution), None):
         try:
             replay = Replay(log, config, view.trajectory, limits)
-            replay.wanted = wanted
+            replay.may_continue = may_continue
         except LimitError:
             if resolution is None:
                 raise
@@ -202,8 +204,8 @@ class LogRecording(Recording, Viewed):
         old = self.replay
         changed = changed_values(old.config, first_config(self.log))
         trajectory = old.trajectory if old.trajectory in log.trajectories else None
-        wanted = replace(view, trajectory=trajectory, values=asdict(first_config(log).with_values(changed)))
-        self.replay = first_replay(log, wanted, self._host.limits(), old.wanted)
+        new_view = replace(view, trajectory=trajectory, values=asdict(first_config(log).with_values(changed)))
+        self.replay = first_replay(log, new_view, self._host.limits(), old.may_continue)
         self.recorded = recorded_seconds(log)
         self._topic, self._cut = view.topic, view.cut
         self._examinations.clear()
@@ -246,7 +248,7 @@ class LogRecording(Recording, Viewed):
         """Begin the map of ``log`` again with one of its trajectories."""
         old = self.replay
         replay = Replay(log, old.config, trajectory, self._host.limits())
-        replay.wanted = old.wanted
+        replay.may_continue = old.may_continue
         self.replay = replay
 
     def robot_state(self) -> RobotState:
@@ -349,15 +351,15 @@ async def examination(
     trajectory: str,
     scheduler: Scheduler,
     job_owner: JobOwner,
-    wanted: Callable[[], bool],
+    may_continue: Callable[[], bool],
     progress: Callable[[float], None],
 ) -> Diagnosis:
-    """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.diagnose`, which checks ``wanted``.
+    """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.diagnose`, which checks ``may_continue``.
 
     ``progress`` is called with the share that is done, on a worker thread.
     """
 
     def examined() -> Diagnosis:
-        return diagnosis.diagnose(log, trajectory, progress, wanted=wanted)
+        return diagnosis.diagnose(log, trajectory, progress, may_continue=may_continue)
 
     return await in_turn(scheduler, job_owner, examined)

@@ -22,11 +22,11 @@ class MapModel(SessionModel):
 
     kind: ClassVar[str] = "map"
 
-    def __init__(self, host: ModelHost, given: ReferenceMap) -> None:
+    def __init__(self, host: ModelHost, reference: ReferenceMap) -> None:
         """Show a map. Raises :class:`mapper.core.errors.LimitError` for one that is too large to be edited."""
         super().__init__(Playback(playing=False))
-        self._given = given
-        self.parts = parts_of(Offers(host, map=given))
+        self._given = reference
+        self.parts = parts_of(Offers(host, map=reference))
 
     @property
     def layers(self) -> Sequence[Layer]:

@@ -76,7 +76,7 @@ class SimulationModel(SessionModel):
         super().__init__()
         self._host = host
         self._mapper = mapper
-        mapper.limits, mapper.wanted = host.limits, host.may_continue
+        mapper.limits, mapper.may_continue = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
         offers = Offers(
             host,

@@ -62,7 +62,7 @@ def simulation_plan(
         from server.sources.simulation import SimulationModel  # noqa: PLC0415
         from server.sources.simulation_replay import replayed  # noqa: PLC0415
 
-        mapper = replayed(whole, limits=host.limits, wanted=making.may_continue, report=making.report)
+        mapper = replayed(whole, limits=host.limits, may_continue=making.may_continue, report=making.report)
         model = SimulationModel(host, mapper, max_story_s)
         try:
             model.resume(history)
@@ -73,9 +73,9 @@ def simulation_plan(
     return Plan(make, name=name, interactive=cost_s <= URGENT_S, playing=playing)
 
 
-async def _plan(wanted: NewSimulation, resources: Resources) -> Plan:
-    plan = partial(simulation_plan, max_story_s=resources.max_story_s, playing=wanted.playing, name=wanted.name)
-    return await asyncio.to_thread(plan, wanted.world, wanted.seed, wanted.story)
+async def _plan(request: NewSimulation, resources: Resources) -> Plan:
+    plan = partial(simulation_plan, max_story_s=resources.max_story_s, playing=request.playing, name=request.name)
+    return await asyncio.to_thread(plan, request.world, request.seed, request.story)
 
 
 SIMULATION = Kind(NewSimulation, _plan)

@@ -171,15 +171,15 @@ def history_of(mapper: LiveMap, max_s: float = math.inf) -> SimulationHistory:
 def replayed(
     history: SimulationHistory,
     limits: Callable[[], Limits] = Limits,
-    wanted: Callable[[], bool] = lambda: True,
+    may_continue: Callable[[], bool] = lambda: True,
     report: Callable[[float], None] = lambda _: None,
 ) -> LiveMap:
     """Replay a history, and return its map.
 
-    ``wanted`` is called about every hundredth of a second, ``report`` with the share of the simulated time that has
-    passed. Raises :class:`LimitError` for a history that is too long,
-    :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False, and as the mapper does for a history
-    that cannot be replayed.
+    ``may_continue`` is called about every hundredth of a second, ``report`` with the share of the simulated time that
+    has passed. Raises :class:`LimitError` for a history that is too long,
+    :class:`mapper.core.errors.WorkCancelledError` if ``may_continue`` returns False, and as the mapper does for a
+    history that cannot be replayed.
     """
     steps = history.steps
     if steps * STEP > MAX_STORY_S:
@@ -191,20 +191,20 @@ def replayed(
         edits=Edits.of(history.edits.added, history.edits.erased),
         limits=limits,
         mapping=False,  # mapping once at the end costs less than after each scan
-        wanted=wanted,
+        may_continue=may_continue,
         make_corrector=_corrector,
     )
 
     def advance_to(step: int) -> None:
         while mapper.simulation.steps < step:
-            if not wanted():
+            if not may_continue():
                 raise WorkCancelledError("story.unwanted", "The replay was cancelled.")
             mapper.advance(STEP)
             report(mapper.simulation.steps / max(1, steps))
 
     for at, command in history.journal or ():
         advance_to(min(at, steps))
-        if not wanted():
+        if not may_continue():
             raise WorkCancelledError("story.unwanted", "The replay was cancelled.")
         act(mapper, command, TickResult())
     advance_to(steps)

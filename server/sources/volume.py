@@ -333,8 +333,8 @@ class VolumeModel(SessionModel, Volumetric):
             self._timeline.go_to(0)
         super().play()
 
-    def _set_config(self, wanted: Values, result: TickResult) -> None:
-        config = with_values(self._config, wanted)
+    def _set_config(self, values: Values, result: TickResult) -> None:
+        config = with_values(self._config, values)
         if isinstance(self._source, OctreeFile):
             raise ConfigError("volume.octree", "An octree has no parameters: its scans are not known.")
         if config == self._config:
@@ -353,8 +353,8 @@ class VolumeModel(SessionModel, Volumetric):
         self._questions.clear(self._config.resolution, result)
         result.slot(self._surface.no_voxel())
 
-    def _set_look(self, wanted: Values, result: TickResult) -> None:
-        look = with_values(self._look, wanted)
+    def _set_look(self, values: Values, result: TickResult) -> None:
+        look = with_values(self._look, values)
         if look.show == "surface":
             self._surface.replayed  # noqa: B018 - raises where there is none
         old, self._look = self._look, look

@@ -73,9 +73,15 @@ class NewVolume(SessionRequest):
     other: str | None = Field(None, max_length=200, description="Id of a log to compare the map with.")
 
 
-async def _plan(wanted: NewVolume, resources: Resources) -> Plan:
+async def _plan(request: NewVolume, resources: Resources) -> Plan:
     return await volume_plan(
-        resources, wanted.log, wanted.topic, up=wanted.up, other=wanted.other, name=wanted.name, playing=wanted.playing
+        resources,
+        request.log,
+        request.topic,
+        up=request.up,
+        other=request.other,
+        name=request.name,
+        playing=request.playing,
     )
 
 

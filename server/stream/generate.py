@@ -394,9 +394,9 @@ def main(arguments: list[str]) -> int:
         for path in late:
             print(f"{path.relative_to(ROOT)} is out of date: run {COMMAND}", file=sys.stderr)
         return 1 if late else 0
-    made = outputs()
+    texts = outputs()
     for path in late:
-        path.write_text(made[path], encoding="utf-8")
+        path.write_text(texts[path], encoding="utf-8")
     return 0
 
 

@@ -50,10 +50,10 @@ _kept = threading.local()
 
 def _compressor() -> zstandard.ZstdCompressor:
     """Return this thread's compressor: its tables stay in the processor's cache, and no picture has some of its own."""
-    kept: zstandard.ZstdCompressor | None = getattr(_kept, "compressor", None)
-    if kept is None:
-        kept = _kept.compressor = zstandard.ZstdCompressor(compression_params=ZSTD_PARAMETERS)
-    return kept
+    compressor: zstandard.ZstdCompressor | None = getattr(_kept, "compressor", None)
+    if compressor is None:
+        compressor = _kept.compressor = zstandard.ZstdCompressor(compression_params=ZSTD_PARAMETERS)
+    return compressor
 
 
 def picture_range(config: MappingConfig) -> tuple[float, float]:
@@ -197,16 +197,16 @@ class TilePicture:
 
     def payloads(self, tiles: NDArray[np.intp]) -> Iterator[TilePayload]:
         """Yield ``tiles`` (n, 2), (ty, tx), at their present revisions; each is compressed once for all clients."""
-        kept = self._payloads
+        payloads = self._payloads
         for first in range(0, len(tiles), MOST_AT_ONCE):
             some = tiles[first : first + MOST_AT_ONCE]
             revisions = self.revision[some[:, 0], some[:, 1]].tolist()
             places = some.tolist()
-            cached = [kept.get((ty, tx)) for ty, tx in places]
+            cached = [payloads.get((ty, tx)) for ty, tx in places]
             old = [i for i, tile in enumerate(cached) if tile is None or tile.revision != revisions[i]]
             for i, data in zip(old, self._compressed(some[old]), strict=True):
                 ty, tx = places[i]
-                cached[i] = kept[ty, tx] = TilePayload(tx, ty, revisions[i], data)
+                cached[i] = payloads[ty, tx] = TilePayload(tx, ty, revisions[i], data)
             yield from (tile for tile in cached if tile is not None)
 
     def _compressed(self, tiles: NDArray[np.intp]) -> list[bytes]:

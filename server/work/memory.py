@@ -86,12 +86,12 @@ def is_out_of_memory(error: BaseException) -> bool:
     """Return whether an error says that the process may have no more memory, or no more threads."""
     if isinstance(error, MemoryError):
         return True
-    said = str(error)
+    message = str(error)
     if isinstance(error, RuntimeError):
-        return said == "can't start new thread"
+        return message == "can't start new thread"
     # Of the dynamic loader: an import that maps a shared library.
     shortages = ("Cannot allocate memory", "cannot allocate memory", "failed to map segment")
-    return isinstance(error, ImportError | OSError) and any(shortage in said for shortage in shortages)
+    return isinstance(error, ImportError | OSError) and any(shortage in message for shortage in shortages)
 
 
 def give_back(*, is_idle: bool) -> None:

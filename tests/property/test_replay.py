@@ -83,7 +83,7 @@ def test_a_map_that_is_not_wanted_any_more_is_not_finished(log: ScanLog, monkeyp
     monkeypatch.setattr("mapper.replay.replay.PART_READINGS", log.n_beams)
     replay = Replay(log, MappingConfig(resolution=0.2))
     answers = iter([True, True, False])
-    replay.wanted = lambda: next(answers)
+    replay.may_continue = lambda: next(answers)
     with pytest.raises(WorkCancelledError):
         replay.advance_to(20)
 

@@ -23,7 +23,7 @@ from server.jobs.workers import PoolWorker
 from server.scenes.viser_server import ViserServer
 from types import SimpleNamespace
 worker, viser = PoolWorker(1 << 30), ViserServer()
-worker.submit(SimpleNamespace(timeout_s=60.0, memory_bytes=1 << 30, work=type)).result()
+worker.submit(SimpleNamespace(do=dict)).result()
 print("begun", flush=True)
 input()
 viser.stop()

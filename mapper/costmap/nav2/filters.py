@@ -103,9 +103,9 @@ def _topic(value: object) -> str:
 
 
 def _mask_file(root: Mapping[str, Any], mask_topic: object) -> str | None:
-    for node, given in nodes_of(root):
-        if "yaml_filename" in given and _topic(given.get("topic_name", "map")) == _topic(mask_topic):
-            path = given["yaml_filename"]
+    for node, parameters in nodes_of(root):
+        if "yaml_filename" in parameters and _topic(parameters.get("topic_name", "map")) == _topic(mask_topic):
+            path = parameters["yaml_filename"]
             if not isinstance(path, str):
                 raise ConfigError(
                     "nav2.mask", f"{'/'.join(node)}.yaml_filename must be the name of a file, not {path!r:.80}."

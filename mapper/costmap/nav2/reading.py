@@ -84,7 +84,7 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
     """
     block = find_node(root, (node,) if node else NODES, COSTMAP)
     if block is None:
-        wanted = node or " or ".join(NODES)
+        nodes = node or " or ".join(NODES)
         has = ", ".join(node_names(root))
         others = (key for key in _keys(root) if key != "ros__parameters")
         misspelt = difflib.get_close_matches("ros__parameters", others, 1, 0.85)
@@ -94,16 +94,16 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
             more = f"; it has {has:.300}."
         else:
             more = f"; as it seems it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
-        message = f"The parameter file has no costmap: no {wanted} with ros__parameters{more}"
+        message = f"The parameter file has no costmap: no {nodes} with ros__parameters{more}"
         raise ReadError("nav2.no_costmap", message)
-    made = _Reader(root, *block).read()
+    costmap = _Reader(root, *block).read()
     of_file = root.notes if isinstance(root, ParameterFile) else ()
-    return replace(made, notes=(*of_file, *note_on_others(root, block[0]), *made.notes))
+    return replace(costmap, notes=(*of_file, *note_on_others(root, block[0]), *costmap.notes))
 
 
-def _keys(given: Mapping[Any, Any]) -> Iterator[str]:
+def _keys(parameters: Mapping[Any, Any]) -> Iterator[str]:
     """Yield the keys of a mapping and of those in it."""
-    for key, value in given.items():
+    for key, value in parameters.items():
         yield str(key)[:40]
         if isinstance(value, dict):
             yield from _keys(value)
@@ -148,11 +148,11 @@ class _Reader:
                 self._skip(name, block, None, "is no filter that is built here")
             else:
                 filters.append(named_filter(self.root, name, block, f"{self.node}.{name}", None, self.notes))
-        made = self._stack(blocks, general, of_static)
-        made = replace(made, footprint=footprint, filters=(*filters, *made.filters))
-        if sum(1 for _ in made.all_layers()) > MAX_LAYERS:
+        costmap = self._stack(blocks, general, of_static)
+        costmap = replace(costmap, footprint=footprint, filters=(*filters, *costmap.filters))
+        if sum(1 for _ in costmap.all_layers()) > MAX_LAYERS:
             raise ConfigError("nav2.plugins", f"{self.node} must have at most {MAX_LAYERS} layers.")
-        return replace(made, notes=(*self.notes, *_warnings(made)))
+        return replace(costmap, notes=(*self.notes, *_warnings(costmap)))
 
     def _stack(
         self, blocks: Mapping[str, dict[str, Any]], general: CostmapConfig, of_static: Mapping[str, Any]
@@ -194,12 +194,12 @@ class _Reader:
                 self.given[name] = {"plugin": kind} | block
         return names
 
-    def _block(self, name: str, given: object) -> dict[str, Any]:
+    def _block(self, name: str, value: object) -> dict[str, Any]:
         """Return a layer's parameters with its plugin. Raises :class:`ConfigError` where nothing says what it is."""
         where = f"{self.node}.{name}"
-        if given is not None and not isinstance(given, dict):
-            raise ConfigError("nav2.plugin", f"{where}: A layer has parameters, not {given!r:.40}.")
-        block = {**(given or {})}
+        if value is not None and not isinstance(value, dict):
+            raise ConfigError("nav2.plugin", f"{where}: A layer has parameters, not {value!r:.40}.")
+        block = {**(value or {})}
         may_be_default = name in DEFAULT_LAYERS and not self.in_container
         is_default = list(self.given.get("plugins", DEFAULT_LAYERS)) == list(DEFAULT_LAYERS)
         if may_be_default and is_default and "plugin" not in block and "plugin_names" not in self.given:
@@ -223,12 +223,12 @@ class _Reader:
             {(key,): own.pop(key) for key in [key for key, value in own.items() if isinstance(value, dict)]}
         )
         _name_combination(own, where)
-        made: ContainerConfig = inside._config(
+        container: ContainerConfig = inside._config(
             ContainerConfig(inside._stack(blocks, general, of_static)),
             table_of(ContainerConfig), own, (where,), LAYERS[CONTAINER],
         )  # fmt: skip
         self.notes += inside.notes
-        return made
+        return container
 
     def _skip(self, name: str, block: Mapping[str, Any], below: int | None, why: str) -> None:
         self.skipped.append(SkippedLayer(name, block, below))
@@ -281,16 +281,16 @@ class _Reader:
 
     def _renamed(self, block: Mapping[str, Any], where: str) -> dict[str, Any]:
         """Return the parameters with the present names of those that had another one."""
-        made = {**block}
+        renamed = {**block}
         for old in [name for name in block if name in RENAMED]:
             new, release = RENAMED[old]
-            value = made.pop(old)
-            made.setdefault(new, value)
+            value = renamed.pop(old)
+            renamed.setdefault(new, value)
             self.notes.append(
                 f"{where}.{old} is named {new} since {release}; "
                 + ("its value is read as that." if new not in block else f"{new} is given too, and counts.")
             )
-        return made
+        return renamed
 
     def _of_sources(self, blocks: list[tuple[str, dict[str, Any]]], path: tuple[str, str]) -> tuple[NamedSource, ...]:
         """Return the sources of observations of a layer, each with its own parameters."""
@@ -320,14 +320,14 @@ class _Reader:
         self,
         config: Any,  # noqa: ANN401 - one of the configurations
         table: tuple[Parameter, ...],
-        given: Mapping[str, Any],
+        parameters: Mapping[str, Any],
         path: tuple[str, ...],
         declared: Collection[str],
     ) -> Any:  # noqa: ANN401
         where = ".".join(path)
         rows = {row.name: row for row in table}
         values = {}
-        for key, value in self._renamed(given, where).items():
+        for key, value in self._renamed(parameters, where).items():
             if key in rows:
                 values[key] = checked(rows[key], value, f"{where}.{key}", self.notes)
             elif key not in _STRUCTURE:
@@ -380,46 +380,46 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
     return warnings
 
 
-def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
+def _names(parameters: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
     names = [
-        name for name in names_of(given.get(key, []), f"{where}.{key}") if name
+        name for name in names_of(parameters.get(key, []), f"{where}.{key}") if name
     ]  # [""] is how ROS 2 writes an empty list of names
     if len(names) > MAX_LAYERS or len(set(names)) < len(names):
         raise ConfigError("nav2.plugins", f"{where}.{key} must be at most {MAX_LAYERS} different names.")
     return tuple(names)
 
 
-def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
+def _footprint(value: object, where: str, notes: list[str]) -> Footprint | None:
     """Return the footprint; None where there is none, or a text that Nav2 takes for none, which has a note.
 
     Source: Costmap2DROS::getParameters and makeFootprintFromString of nav2_costmap_2d.
     """
-    if given is None or given in ("", "[]", []):
+    if value is None or value in ("", "[]", []):
         return None
-    points: object = given
-    if isinstance(given, str):
-        points = _points_of(given)
+    points: object = value
+    if isinstance(value, str):
+        points = _points_of(value)
         if points is None:
             notes.append(
-                f"{where}.footprint, {given!r:.80}, is no list of three points [x, y] or more: Nav2 takes robot_radius "
+                f"{where}.footprint, {value!r:.80}, is no list of three points [x, y] or more: Nav2 takes robot_radius "
                 "in its place, and logs an error."
             )
             return None
-    elif isinstance(given, list):
+    elif isinstance(value, list):
         notes.append(f"{where}.footprint is a list, where Nav2 declares a text, and does not start: put it in quotes.")
     if not isinstance(points, list):
-        raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.")
+        raise ConfigError("nav2.footprint", f"{where}.footprint: {value!r:.80} is not a list of points.")
     try:
-        made = Footprint(tuple(tuple(point) for point in points))
+        footprint = Footprint(tuple(tuple(point) for point in points))
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
-    if not made.holds_origin:
+    if not footprint.holds_origin:
         notes.append(
             f"{where}.footprint does not hold (0, 0), about which the robot turns. As in Nav2 it is taken as it is: "
             "the inscribed radius is the distance from there to the outline."
         )
-    return made
+    return footprint
 
 
 def _points_of(text: str) -> list[Any] | None:

@@ -109,14 +109,14 @@ def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
         excess = _excess(rest, motions, length)
         candidates += [(float(excess[i]), int(i), int(i) + length) for i in np.flatnonzero(excess > 1.0)]
     candidates.sort(key=lambda candidate: (-candidate[0], candidate[1], candidate[2]))
-    taken = np.zeros(len(rest), dtype=np.bool_)
+    is_used = np.zeros(len(rest), dtype=np.bool_)
     windows: list[Displacement] = []
     for _, first, stop in candidates:
-        if taken[first:stop].any():
+        if is_used[first:stop].any():
             continue
         if not _stays(rest, first, stop):
             continue
-        taken[max(0, first - AROUND_STEPS) : stop + AROUND_STEPS] = True
+        is_used[max(0, first - AROUND_STEPS) : stop + AROUND_STEPS] = True
         windows.append(_timed(rest, motions, first, stop))
         if len(windows) == MOST_EVENTS:
             break

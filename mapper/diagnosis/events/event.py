@@ -90,10 +90,10 @@ class Event:
                 return f"nothing was recorded for {lasted:.2f} s; how far the robot moved meanwhile is not known."
             return f"nothing was recorded for {lasted:.2f} s; the robot moved {self.moved_m:.2f} m meanwhile."
         if self.kind == LIFTED:
-            said = f"the robot was lifted or carried: for {lasted:.1f} s no scan fits those before."
+            sentence = f"the robot was lifted or carried: for {lasted:.1f} s no scan fits those before."
             if self.distance_m is None:
-                return f"{said} Where it was set down is not known."
-            return f"{said} It was set down {self._displacement()}."
+                return f"{sentence} Where it was set down is not known."
+            return f"{sentence} It was set down {self._displacement()}."
         if self.kind == SLIPPED:
             return f"the wheels measured {self._displacement(-1.0)} that the robot did not move: a slip."
         verb = "moved" if self._moved() else "was"
@@ -112,11 +112,11 @@ class Event:
                 parts.append(f"{abs(ahead):.2f} m {'ahead' if ahead > 0.0 else 'backwards'}")
             if abs(left) >= SMALL_SHARE * greater:
                 parts.append(f"{abs(left):.2f} m to its {'left' if left > 0.0 else 'right'}")
-        said = " and ".join(parts)
-        if abs(turn) >= LEAST_RAD or not said:
+        text = " and ".join(parts)
+        if abs(turn) >= LEAST_RAD or not text:
             turned = f"turned by {math.degrees(abs(turn)):.0f}° to its {'left' if turn > 0.0 else 'right'}"
-            said = f"{said}, {turned}" if said else turned
-        return said
+            text = f"{text}, {turned}" if text else turned
+        return text
 
     def public(self) -> dict[str, Any]:
         """Return the fields and what follows from them, for JSON: metres, radians and seconds to three places."""

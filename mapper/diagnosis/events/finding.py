@@ -45,15 +45,15 @@ def wheels_of(log: ScanLog) -> str | None:
 
 def find_events(
     log: ScanLog,
-    wanted: Callable[[], bool] = lambda: True,
+    may_continue: Callable[[], bool] = lambda: True,
     progress: Callable[[float], None] | None = None,
 ) -> list[Event]:
     """Return the events of a log in the order of their times; of several sensors by the first lidar.
 
     A log without times has none. How far the robot came in a gap is told by its wheels, or by the log's default
     trajectory. Pushes, slips and lifts need a lidar, at least :data:`LEAST_SCANS` scans, and the
-    robot's own measurement of its motion (:func:`wheels_of`). Raises :class:`WorkCancelledError` where ``wanted`` says
-    False.
+    robot's own measurement of its motion (:func:`wheels_of`). Raises :class:`WorkCancelledError` where
+    ``may_continue`` returns False.
     """
     sensors = by_sensor(log)
     lidars = [sensor for sensor in sensors if _is_lidar(sensor[0])]
@@ -64,7 +64,7 @@ def find_events(
     steps = clock_steps(sensor, wheels)
     events = [*_of_clock(sensor, steps), *_of_gaps(sensor, wheels, {step.scan for step in steps})]
     if lidars and wheels is not None and sensor.n_scans >= LEAST_SCANS:
-        motions = aligned_motions(sensor, wheels, wanted, progress)
+        motions = aligned_motions(sensor, wheels, may_continue, progress)
         untold = near_clock_steps(sensor.take(motions.scans), clock_steps(sensor.take(motions.scans), None))
         for displacement in displacements(motions, untold):
             kind = _kind(displacement)

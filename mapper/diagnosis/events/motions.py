@@ -69,11 +69,11 @@ class Motions:
 
 
 def aligned_motions(
-    log: ScanLog, wheels: str, wanted: Callable[[], bool], progress: Callable[[float], None] | None = None
+    log: ScanLog, wheels: str, may_continue: Callable[[], bool], progress: Callable[[float], None] | None = None
 ) -> Motions:
     """Return the motions of a lidar's log along its trajectory ``wheels`` and by its scans.
 
-    Raises :class:`WorkCancelledError` where ``wanted`` says False, and :class:`ConfigError` for a sonar.
+    Raises :class:`WorkCancelledError` where ``may_continue`` returns False, and :class:`ConfigError` for a sonar.
     """
     seconds = recorded_seconds(log)
     numbers = np.unique(np.linspace(0, log.n_scans - 1, min(log.n_scans, MOST_SCANS)).astype(np.int64))
@@ -86,7 +86,7 @@ def aligned_motions(
     fits = np.ones(len(by_wheels), dtype=np.bool_)
     for k in range(some.n_scans):
         if k % ASKED_EVERY == 0:
-            if not wanted():
+            if not may_continue():
                 raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
             if progress is not None:
                 progress(k / some.n_scans)

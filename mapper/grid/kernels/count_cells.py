@@ -44,8 +44,8 @@ def count_cells(
     |ℓ_b − ℓ_a| over those that both did.
     """
     keys = np.zeros(SLOTS, dtype=np.uint32)
-    kept = np.zeros(SLOTS, dtype=np.float64)
-    kept[0] = _entropy(0.0)  # whose bits are all zero; every other key differs from what an empty place holds
+    slots = np.zeros(SLOTS, dtype=np.float64)
+    slots[0] = _entropy(0.0)  # whose bits are all zero; every other key differs from what an empty place holds
     rows, cols = place[0], place[1]
     free_below, occupied_above = thresholds[0], thresholds[1]
     values = np.empty(2, dtype=np.float32)
@@ -68,8 +68,8 @@ def count_cells(
                 slot = _slot(bits[i])
                 if keys[slot] != bits[i]:
                     keys[slot] = bits[i]
-                    kept[slot] = _entropy(values[i])
-                sums[i] += kept[slot]
+                    slots[slot] = _entropy(values[i])
+                sums[i] += slots[slot]
             a, b = float(values[0]), float(values[1])
             state_a = _state(a, free_below, occupied_above) if seen_a else 2
             state_b = _state(b, free_below, occupied_above) if seen_b else 2

@@ -42,24 +42,24 @@ def standard_fields(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[An
     """
     left = dict(columns)
     lower = {name.lower(): name for name in reversed(left)}  # of two that differ in case, the first
-    made: dict[str, NDArray[Any]] = {}
+    standard: dict[str, NDArray[Any]] = {}
     for parts in NORMALS:
         if all(part in lower for part in parts):
-            made["normals"] = np.stack([left.pop(lower.pop(part)) for part in parts], axis=1).astype(np.float64)
+            standard["normals"] = np.stack([left.pop(lower.pop(part)) for part in parts], axis=1).astype(np.float64)
             break
     for parts in COLOURS:
         if all(part in lower for part in parts):
-            made["rgb"] = _bytes_of(np.stack([left.pop(lower.pop(part)) for part in parts], axis=1))
+            standard["rgb"] = _bytes_of(np.stack([left.pop(lower.pop(part)) for part in parts], axis=1))
             break
     else:
         packed = next((lower[name] for name in PACKED if name in lower and _is_packed(left[lower[name]])), None)
         if packed is not None:
-            made["rgb"] = _unpacked(left.pop(packed))
+            standard["rgb"] = _unpacked(left.pop(packed))
     for name, others in NAMES.items():
         known = next((lower[other] for other in others if other in lower and left[lower[other]].ndim == 1), None)
         if known is not None:
-            made[name] = left.pop(known)
-    return {**left, **made}
+            standard[name] = left.pop(known)
+    return {**left, **standard}
 
 
 def _is_packed(column: NDArray[Any]) -> bool:
@@ -174,17 +174,17 @@ def made_cloud(
     if n == 0:
         raise ReadError("cloud.empty", "The file holds no points.")
     places = np.array(points, dtype=np.float64, order="C")
-    said = [*notes]
+    all_notes = [*notes]
     finite = np.asarray(np.isfinite(places).all(axis=1))
     if not finite.any():
         raise ReadError("cloud.no_places", f"None of the {n} points is finite.")
     if not finite.all():
         first = int(np.argmin(finite))
-        said.append(f"{n - int(finite.sum())} of {n} points are not finite, the first at index {first}.")
+        all_notes.append(f"{n - int(finite.sum())} of {n} points are not finite, the first at index {first}.")
     far: NDArray[np.bool_] = np.abs(np.where(finite[:, np.newaxis], places, 0.0)).max(axis=1) > limits.max_coordinate
     if far.any():
         first = int(np.argmax(far))
-        said.append(
+        all_notes.append(
             f"{int(far.sum())} of {n} points are more than {limits.max_coordinate:g} m from the origin and are left "
             f"out, the first at index {first}: {', '.join(f'{value:g}' for value in places[first])}."
         )
@@ -198,9 +198,9 @@ def made_cloud(
         farthest = np.float32(np.nanmax(np.where(finite[:, np.newaxis], np.abs(places), 0.0)))
         step = float(np.spacing(farthest))
         if step > COARSE_STEP_M:
-            said.append(
+            all_notes.append(
                 f"The coordinates are 32-bit numbers: at {farthest:.0f} m they have steps of {step:g} m. Subtract an "
                 "offset before saving, or save them as 64-bit numbers, to keep what is finer."
             )
     fields = standard_fields(columns)
-    return PointCloud(places, 0, "", shape, fields, times_of(fields, 0), sensor_pose, tuple(said))
+    return PointCloud(places, 0, "", shape, fields, times_of(fields, 0), sensor_pose, tuple(all_notes))

@@ -110,9 +110,9 @@ def _write(
             "archives are not read: unpack them and drop the folder.",
         )
     (into / "depth").mkdir()
-    wanted = [(file, place) for file in files if (place := _place(file, root)) is not None]
+    members = [(file, place) for file in files if (place := _place(file, root)) is not None]
     room = limits.unpacked_bytes(size)
-    for k, (wanted_file, place) in enumerate(wanted):
+    for k, (wanted_file, place) in enumerate(members):
         with _opened(wanted_file, archive) as source, (into / place).open("wb") as out:
             while piece := source.read(_PIECE):
                 room -= len(piece)
@@ -124,7 +124,7 @@ def _write(
                     )
                 out.write(piece)
         if progress is not None:
-            progress((k + 1) / len(wanted))
+            progress((k + 1) / len(members))
     if not any((into / "depth").iterdir()):
         shutil.rmtree(into / "depth")
 
@@ -139,7 +139,7 @@ def _opened(file: _File, archive: zipfile.ZipFile | None) -> IO[bytes]:
 def _place(file: _File, root: str) -> str | None:
     """Return where a file is written in the folder, None for a file that is not."""
     if file.folder == root:
-        wanted = file.name.endswith((DEPTH_END, POSE_END)) or file.name in (*TUM_LISTS, *INTRINSICS)
-        return file.name if wanted and _PLAIN.fullmatch(file.name) else None
+        is_used = file.name.endswith((DEPTH_END, POSE_END)) or file.name in (*TUM_LISTS, *INTRINSICS)
+        return file.name if is_used and _PLAIN.fullmatch(file.name) else None
     is_tum = PurePosixPath(file.folder) == PurePosixPath(root) / "depth" and _TUM_IMAGE.fullmatch(file.name)
     return f"depth/{file.name}" if is_tum and not file.name.startswith(".") else None

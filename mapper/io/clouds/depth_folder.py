@@ -98,14 +98,14 @@ def read_depth_folder(path: str | os.PathLike[str], *, limits: Limits = DEFAULT_
         listed, usual, unit = _seven_scenes(folder, limits), SEVEN_SCENES_CAMERA, SEVEN_SCENES_UNIT
     images, notes = listed
     width, height = image_size(images[0][0])
-    camera, said = _camera(folder, (width, height), usual, limits)
+    camera, camera_notes = _camera(folder, (width, height), usual, limits)
     frames = []
     for image, stamp_ns, pose in images:
         try:
             frames.append(DepthFrame(image.name, stamp_ns, pose, partial(read_depth, image, camera, unit, limits)))
         except ConfigError as error:
             raise ReadError("depth.pose", error.message) from error
-    return DepthFolder(camera, tuple(frames), (*said, *notes), unit)
+    return DepthFolder(camera, tuple(frames), (*camera_notes, *notes), unit)
 
 
 Found = tuple[list[tuple[Path, int, NDArray[np.float64]]], list[str]]

@@ -119,10 +119,10 @@ def _sizes(data: bytes) -> _Sizes:
 
 def _points_end(data: bytes) -> int:
     """Return where points that are not compressed end at the latest: before waveforms, extended records or the end."""
-    said = _sizes(data)
+    sizes = _sizes(data)
     (waveforms_at,) = struct.unpack_from("<Q", data, 227) if data[25] >= 3 and len(data) >= 235 else (0,)
-    ends = (waveforms_at, said.extended_at if said.extended else 0)
-    return min([len(data), *(end for end in ends if end >= said.points_at)])
+    ends = (waveforms_at, sizes.extended_at if sizes.extended else 0)
+    return min([len(data), *(end for end in ends if end >= sizes.points_at)])
 
 
 def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:
@@ -134,23 +134,23 @@ def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:
         raise ReadError("cloud.truncated", "The file ends within its LAS header.")
     if (data[24], data[25]) > NEWEST:
         raise ReadError("cloud.version", f"The file is LAS {data[24]}.{data[25]}; versions up to 1.4 are read.")
-    said = _sizes(data)
-    if said.points_at > len(data) or said.header > said.points_at:
+    sizes = _sizes(data)
+    if sizes.points_at > len(data) or sizes.header > sizes.points_at:
         raise ReadError(
             "cloud.truncated",
-            f"The file ends before its points: they begin at byte {said.points_at}, and it has {len(data)}.",
+            f"The file ends before its points: they begin at byte {sizes.points_at}, and it has {len(data)}.",
         )
-    room = said.points_at - said.header
-    if said.records * RECORD_BYTES > room:
+    room = sizes.points_at - sizes.header
+    if sizes.records * RECORD_BYTES > room:
         raise ReadError(
             "cloud.header",
-            f"The LAS header claims {said.records} variable-length records, which do not fit into the {room} bytes "
+            f"The LAS header claims {sizes.records} variable-length records, which do not fit into the {room} bytes "
             "before the points.",
         )
-    if said.extended and said.extended_at + said.extended * EXTENDED_BYTES > len(data):
+    if sizes.extended and sizes.extended_at + sizes.extended * EXTENDED_BYTES > len(data):
         without = bytearray(data)
         struct.pack_into("<QI", without, 235, 0, 0)
-        return bytes(without), (f"{said.extended} extended records at its end are not in the file.",)
+        return bytes(without), (f"{sizes.extended} extended records at its end are not in the file.",)
     return data, ()
 
 

@@ -99,13 +99,13 @@ def pcd_header(data: bytes) -> PcdHeader:
         raise ReadError("cloud.header", "The header’s FIELDS, SIZE, TYPE and COUNT have different lengths.")
     wrong = next((word for word in types if word not in _SIZES), None)
     if wrong is not None:
-        said = printable(wrong[:20])
-        raise ReadError("cloud.header", f"The PCD header’s TYPE is missing or wrong: {said!r} is not F, I or U.")
+        text = printable(wrong[:20])
+        raise ReadError("cloud.header", f"The PCD header’s TYPE is missing or wrong: {text!r} is not F, I or U.")
     fields = []
     for name, size, kind, count in zip(names, sizes, types, counts, strict=True):
         if not size.isdigit() or int(size[:4]) not in _SIZES[kind]:
-            said = printable(f"{kind} {size}"[:20])
-            raise ReadError("cloud.header", f"The header’s TYPE and SIZE {said!r} are not types of a PCD file.")
+            text = printable(f"{kind} {size}"[:20])
+            raise ReadError("cloud.header", f"The header’s TYPE and SIZE {text!r} are not types of a PCD file.")
         n = _whole(count, "COUNT")
         if n:  # a field of no numbers has no bytes
             fields.append(Field(printable(name[:100]), f"{kind.lower()}{size}", n))
@@ -140,16 +140,16 @@ def _lines(data: bytes) -> tuple[dict[str, list[str]], int]:
 
 def _whole(word: str, name: str) -> int:
     if not word.isdigit() or not word.isascii() or len(word) > 18:
-        said = printable(word[:40])
-        raise ReadError("cloud.header", f"The PCD header’s {name} is missing or wrong: {said!r} is not a whole number.")
+        text = printable(word[:40])
+        raise ReadError("cloud.header", f"The PCD header’s {name} is missing or wrong: {text!r} is not a whole number.")
     return int(word)
 
 
 def _count(lines: dict[str, list[str]]) -> tuple[int, tuple[int, int] | None, tuple[str, ...]]:
     """Return the number of points, their height and width, and a note where both disagree: POINTS counts, but not 0."""
-    given = {name: _whole(lines[name][0], name) for name in ("WIDTH", "HEIGHT", "POINTS") if lines.get(name)}
-    width, height = given.get("WIDTH"), given.get("HEIGHT", 1)
-    points = given.get("POINTS", None if width is None else width * height)  # version .6 and before lack POINTS
+    sizes = {name: _whole(lines[name][0], name) for name in ("WIDTH", "HEIGHT", "POINTS") if lines.get(name)}
+    width, height = sizes.get("WIDTH"), sizes.get("HEIGHT", 1)
+    points = sizes.get("POINTS", None if width is None else width * height)  # version .6 and before lack POINTS
     if points == 0 and width and height:
         note = f"The header says 0 points, but its width and height {width} × {height}; the latter are taken."
         return width * height, (height, width), (note,)

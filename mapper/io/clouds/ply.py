@@ -194,9 +194,9 @@ def _property(line: str, element: Element) -> Property:
     kinds = [kind.lower() for kind in kinds]
     wrong = next((kind for kind in kinds if kind not in TYPES), None)
     if wrong is not None or not name or (is_list and TYPES[kinds[0]][0] == "f"):
-        said = printable((wrong or line.strip())[:40])
+        text = printable((wrong or line.strip())[:40])
         raise ReadError(
-            "cloud.header", f"A property of the element {printable(element.name[:40])} is of the type {said!r}, which "
+            "cloud.header", f"A property of the element {printable(element.name[:40])} is of the type {text!r}, which "
             "PLY lacks.",
         )  # fmt: skip
     label = printable(name[0].strip()[:100])
@@ -321,11 +321,11 @@ def _text_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep
         text = b"".join(_without_lists(text, is_list, first_line))
         width -= sum(is_list)
     rows = table(text, None, element.count, width, limits, first_line)
-    kept = [property_ for property_ in element.properties if property_.length_kind is None]
+    scalars = [property_ for property_ in element.properties if property_.length_kind is None]
     columns = (
-        {property_.name: rows[:, k].astype(property_.kind) for k, property_ in enumerate(kept)} if len(rows) else {}
+        {property_.name: rows[:, k].astype(property_.kind) for k, property_ in enumerate(scalars)} if len(rows) else {}
     )
-    columns = columns or {property_.name: np.zeros(0, property_.kind) for property_ in kept}
+    columns = columns or {property_.name: np.zeros(0, property_.kind) for property_ in scalars}
     return Rows(len(rows), end, columns)
 
 
@@ -347,7 +347,7 @@ def _text_lists(text: bytes, element: Element, end: int, limits: Limits, first_l
 def _without_lists(text: bytes, is_list: list[bool], first_line: int) -> Iterator[bytes]:
     """Yield the lines of an element without the numbers of its lists."""
     for number, line in enumerate(text.splitlines(keepends=True), first_line):
-        words, kept, at = line.split(), [], 0
+        words, scalars, at = line.split(), [], 0
         for is_one in is_list:
             if is_one:
                 length = words[at] if at < len(words) else b""
@@ -357,11 +357,11 @@ def _without_lists(text: bytes, is_list: list[bool], first_line: int) -> Iterato
                     raise ReadError("cloud.numbers", f"A list near line {number} does not begin with its length.")
                 at += 1 + int(length)
             else:
-                kept += words[at : at + 1]
+                scalars += words[at : at + 1]
                 at += 1
         if at > len(words) and not line.endswith(b"\n"):
             return
-        yield b" ".join(kept) + b"\n"
+        yield b" ".join(scalars) + b"\n"
 
 
 def _line_count(data: bytes, at: int, element: Element) -> int:
@@ -390,10 +390,10 @@ def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:
     """
     lines = io.BytesIO(data)
     lines.seek(at + (len(BOM) if data.startswith(BOM, at) else 0))
-    kept: list[bytes] = []
-    while len(kept) < n and (more := list(islice(lines, n - len(kept)))):
-        kept += [line for line in more if not line.isspace()]
-    return b"".join(kept), lines.tell()
+    rows: list[bytes] = []
+    while len(rows) < n and (more := list(islice(lines, n - len(rows)))):
+        rows += [line for line in more if not line.isspace()]
+    return b"".join(rows), lines.tell()
 
 
 NOT_TRIANGLES = "ply.not_triangles"  #: code of the error for faces that are no plain list of three vertices

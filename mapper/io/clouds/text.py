@@ -84,10 +84,10 @@ def columns_of(names: Sequence[str]) -> Columns | None:
     axes = (plain.index(columns[0]), plain.index(columns[1]), plain.index(columns[2]))
     metres = tuple(_UNITS[split[k][1] or "m"] for k in axes)
     in_degrees = columns[:2] in DEGREES
-    said = ", ".join(names[k] for k in axes)
-    notes = [] if columns == AXES or in_degrees else [f"The columns {said} are x, y, z here."]
+    axes_text = ", ".join(names[k] for k in axes)
+    notes = [] if columns == AXES or in_degrees else [f"The columns {axes_text} are x, y, z here."]
     if set(metres) != {1.0}:
-        notes = [f"The columns {said} are x, y, z here, converted to metres."]
+        notes = [f"The columns {axes_text} are x, y, z here, converted to metres."]
     return Columns(axes, (metres[0], metres[1], metres[2]), in_degrees, tuple(notes))
 
 
@@ -147,8 +147,8 @@ def names_of(line: bytes) -> tuple[str, ...] | None:
     else:
         words = text.rstrip(separator + " ").split(separator)
     names = tuple(word.strip(" \"'\r") for word in words)
-    given = [name for name in names if name]  # that of a table's index is empty
-    if not given or any(_LETTER.search(name) is None or _is_number(name.replace(",", ".")) for name in given):
+    named = [name for name in names if name]  # that of a table's index is empty
+    if not named or any(_LETTER.search(name) is None or _is_number(name.replace(",", ".")) for name in named):
         return None
     return names
 

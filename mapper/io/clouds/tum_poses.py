@@ -32,12 +32,12 @@ def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDAr
     order = np.argsort(stamps, kind="stable")
     stamps, first = np.unique(stamps[order], return_index=True)
     values = values[order][first]
-    wanted = np.array([stamp for _, stamp in images], dtype=np.int64)
-    after = np.clip(np.searchsorted(stamps, wanted), 1, max(1, len(stamps) - 1))
+    times = np.array([stamp for _, stamp in images], dtype=np.int64)
+    after = np.clip(np.searchsorted(stamps, times), 1, max(1, len(stamps) - 1))
     after = np.minimum(after, len(stamps) - 1)
     before = np.maximum(after - 1, 0)
-    gap = np.minimum(np.abs(wanted - stamps[before]), np.abs(wanted - stamps[after]))
-    inside = (wanted >= stamps[0]) & (wanted <= stamps[-1]) & (gap <= FARTHEST_NS)
+    gap = np.minimum(np.abs(times - stamps[before]), np.abs(times - stamps[after]))
+    inside = (times >= stamps[0]) & (times <= stamps[-1]) & (gap <= FARTHEST_NS)
     notes = []
     if not inside.all():
         name = images[int(np.argmin(inside))][0].name
@@ -48,22 +48,22 @@ def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDAr
         raise ReadError(
             "depth.no_poses", f"No pose of {poses.name} is at the time of any of {len(images)} depth images."
         )
-    matrices = poses_between(stamps, values, wanted[inside])
-    kept = [image for image, is_inside in zip(images, inside, strict=True) if is_inside]
-    return [(path, stamp, pose) for (path, stamp), pose in zip(kept, matrices, strict=True)], notes
+    matrices = poses_between(stamps, values, times[inside])
+    frames = [image for image, is_inside in zip(images, inside, strict=True) if is_inside]
+    return [(path, stamp, pose) for (path, stamp), pose in zip(frames, matrices, strict=True)], notes
 
 
 def poses_between(
-    stamps: NDArray[np.int64], values: NDArray[np.float64], wanted: NDArray[np.int64]
+    stamps: NDArray[np.int64], values: NDArray[np.float64], times: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return poses (m, 4, 4) at stamps ``wanted`` (m,), ns, between those of ``values`` (n, 7) at ascending ``stamps``.
+    """Return poses (m, 4, 4) at stamps ``times`` (m,), ns, between those of ``values`` (n, 7) at ascending ``stamps``.
 
     Positions are interpolated linearly, rotations along the shortest turn; ``values`` are as :func:`tum_rows` has them.
     """
     from scipy.spatial.transform import Rotation, Slerp  # noqa: PLC0415 # 0.2 s, only for folders of this kind
 
-    seconds, at = (stamps - stamps[0]) * 1e-9, (wanted - stamps[0]) * 1e-9
-    poses = np.tile(np.eye(4), (len(wanted), 1, 1))
+    seconds, at = (stamps - stamps[0]) * 1e-9, (times - stamps[0]) * 1e-9
+    poses = np.tile(np.eye(4), (len(times), 1, 1))
     if len(stamps) == 1:
         poses[:, :3, :3] = Rotation.from_quat(values[0, 3:]).as_matrix()
         poses[:, :3, 3] = values[0, :3]

@@ -152,16 +152,16 @@ class _Reader:
         except (IndexError, ValueError):
             count = -1
         if not 0 <= count <= MOST_COUNT:
-            said = printable(" ".join(words)[:60])
-            raise ReadError("cloud.header", f"At byte {self._at}: the line {said!r} states no possible count.")
+            text = printable(" ".join(words)[:60])
+            raise ReadError("cloud.header", f"At byte {self._at}: the line {text!r} states no possible count.")
         return count
 
     def _numbers(self, n: int, kind: list[str], what: str) -> NDArray[Any]:
         """Return the next ``n`` numbers of a type."""
         code = TYPES.get(kind[0]) if kind else None
         if code is None:
-            said = printable(kind[0][:40]) if kind else ""
-            raise ReadError("cloud.header", f"{printable(what[:40])} is of the type {said!r}, which VTK does not have.")
+            text = printable(kind[0][:40]) if kind else ""
+            raise ReadError("cloud.header", f"{printable(what[:40])} is of the type {text!r}, which VTK does not have.")
         if not self._is_ascii:
             dtype = np.dtype(">" + code)
             if self._at + n * dtype.itemsize > len(self._data):

@@ -137,8 +137,8 @@ def _read_index(stream: BinaryIO, topic: str) -> tuple[dict[int, str], list[_Chu
             if key is not None and printable(name) == topic:
                 kinds[key] = kind
         elif fields[b"op"] == CHUNK_INFO and len(fields[b"chunk_pos"]) == 8 and len(content) % _COUNT.itemsize == 0:
-            held = np.frombuffer(content, _COUNT)
-            if np.isin(held["connection"], list(kinds)).any():
+            counts = np.frombuffer(content, _COUNT)
+            if np.isin(counts["connection"], list(kinds)).any():
                 (place,) = U64.unpack(fields[b"chunk_pos"])
                 chunks.append(_Chunk(place, time_ns(fields[b"start_time"]), time_ns(fields[b"end_time"])))
     return kinds, chunks

@@ -72,8 +72,8 @@ def definitions_of(kind: str, text: str) -> Definitions:
     for name, fields in definitions.items():
         for field in fields:
             if field.type not in definitions and field.type not in PRIMITIVES and field.type not in (STRING, *TIMES):
-                said = f"{name}.{field.name} is of type {field.type}"
-                raise ReadError("message.definition", f"The recording does not define every type: {said:.200}.")
+                where = f"{name}.{field.name} is of type {field.type}"
+                raise ReadError("message.definition", f"The recording does not define every type: {where:.200}.")
     return definitions
 
 

@@ -136,10 +136,10 @@ def fields_of(
             if first is None:
                 raise no_messages(topic)
             first = unpacked(first, limits)
-            said = stated.get(topic)
-            if said is None or said.message_encoding in ENCODINGS:
+            definition = stated.get(topic)
+            if definition is None or definition.message_encoding in ENCODINGS:
                 frames = frames_of_type(first.type, first.data, cdr=first.cdr)
-            tree = decoder_of(topic, said)(first.data)
+            tree = decoder_of(topic, definition)(first.data)
             names = tuple(numbers_in(tree))[:MAX_COLUMNS]
             why = "" if names else "Its messages have no numbers."
             fields.append(TopicFields(topic, kind, names, why, frames_in(tree)))

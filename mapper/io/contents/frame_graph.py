@@ -24,8 +24,8 @@ def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[Fra
     trees = {}
     for topic in dict.fromkeys(edge.topic for edge in edges if not is_static(edge.topic)):
         around = [f"{space}/{TF_STATIC}" for topic_ in (topic, sensor) for space in namespaces(topic_)]
-        wanted = [topic + STATIC, *around, *(statics if len(statics) == 1 else [])]
-        static = next((topic_ for topic_ in wanted if topic_ in statics), None)
+        topics = [topic + STATIC, *around, *(statics if len(statics) == 1 else [])]
+        static = next((topic_ for topic_ in topics if topic_ in statics), None)
         trees[topic] = [edge for edge in edges if edge.topic in (topic, static)]
     return trees or {topic: [edge for edge in edges if edge.topic == topic] for topic in statics}
 
@@ -69,32 +69,32 @@ def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> li
 
     ``sensors`` are the frames that have to be joined with the frame ``fixed``.
     """
-    said = []
+    sentences = []
     stated: dict[str, set[str]] = {}
     for edge in edges:
         stated.setdefault(edge.child, set()).add(edge.parent)
     for child, several in sorted(stated.items()):
         if len(several) > 1:
             names = ", ".join(repr(name) for name in sorted(several))
-            said.append(f"The frame {child!r} has {len(several)} parents, {names}: tf allows one.")
+            sentences.append(f"The frame {child!r} has {len(several)} parents, {names}: tf allows one.")
     parents = parents_of(edges)
     looping = frames_in_loops(parents)
     if looping:
         names = ", ".join(map(repr, looping[:MAX_NAMED]))
         more = f" and {len(looping) - MAX_NAMED} more" if len(looping) > MAX_NAMED else ""
-        said.append(f"The transforms go round in a loop: {names}{more}.")
+        sentences.append(f"The transforms go round in a loop: {names}{more}.")
     fixed_chain = chain_of(parents, fixed)
     for sensor in sorted(set(sensors)):
         chain = chain_of(parents, sensor)
         if not set(chain) & set(fixed_chain):
             if sensor not in stated and all(edge.parent != sensor for edge in edges):
-                said.append(f"No transform names the sensor’s frame {sensor!r}.")
+                sentences.append(f"No transform names the sensor’s frame {sensor!r}.")
             else:
-                said.append(
+                sentences.append(
                     f"No transform joins {chain[-1]!r}, the root above the sensor’s frame {sensor!r}, with "
                     f"{fixed_chain[-1]!r}, the root above {fixed!r}."
                 )
-    return said
+    return sentences
 
 
 def frames_in_loops(parents: dict[str, str]) -> list[str]:

@@ -117,12 +117,12 @@ class LineReader:
             name, text = printable(whole_name[:MAX_NAME]), _legible(whole_text)
             if read is _diagnostics and not self._is_new(topic, name, level, text):
                 continue
-            kept = self._kept[level >= WARN]
-            if len(kept) >= MAX_LINES:
+            lines = self._kept[level >= WARN]
+            if len(lines) >= MAX_LINES:
                 self.left_out += 1
                 continue
             is_recorded = not 0 < stated < 1 << 62
-            kept.append(LogLine(stamp_ns if is_recorded else stated, is_recorded, level, topic, name, text))
+            lines.append(LogLine(stamp_ns if is_recorded else stated, is_recorded, level, topic, name, text))
 
     def _is_new(self, topic: str, name: str, level: int, text: str) -> bool:
         if self._states.get((topic, name)) == (level, text):

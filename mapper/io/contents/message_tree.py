@@ -51,14 +51,14 @@ class _Decoder:
         if kind in PRIMITIVES:
             return cut_list(self._numbers(kind, n), n)
         # The rest is read as well, as what comes after it begins at its end; of what has no bytes there is nothing.
-        kept: list[object] = []
+        values: list[object] = []
         for i in range(n if least else min(n, SHOWN)):
             before = self._values
             value = self._value(kind, depth)
             if i < SHOWN and self._kept < MAX_SHOWN:
-                kept.append(value)
+                values.append(value)
                 self._kept += self._values - before
-        return cut_list(kept, n)
+        return cut_list(values, n)
 
     def _value(self, kind: str, depth: int) -> object:
         self._values += 1

@@ -82,8 +82,8 @@ def _field(message: str, stated: _Stated, tables: Mapping[str, Table], *, is_pro
     kind = tables.get(stated.get("type_name", "")) if number == _MESSAGE_TYPE else _KINDS.get(number)
     if kind is None:
         of = stated.get("type_name") or f"the type {number}"
-        said = f"{message[1:]}.{name} is of {of}"
-        raise ReadError("message.definition", f"The recording does not define every type: {said:.200}.")
+        where = f"{message[1:]}.{name} is of {of}"
+        raise ReadError("message.definition", f"The recording does not define every type: {where:.200}.")
     is_repeated = stated.get("label") == _REPEATED
     # A number that is zero is left out by proto3, except of a field that is marked optional, or one of several.
     is_implied = is_proto3 and "oneof_index" not in stated and number != _MESSAGE_TYPE
@@ -120,11 +120,11 @@ class _Decoder:
                 if shown := self._shown(field, wire, value, depth, SHOWN)[0]:
                     fields[field.name] = shown[-1]
                 continue
-            kept = lists.setdefault(field.name, [])
-            room = max(0, SHOWN - len(kept)) if self._kept < MAX_SHOWN else 0
+            values = lists.setdefault(field.name, [])
+            room = max(0, SHOWN - len(values)) if self._kept < MAX_SHOWN else 0
             shown, n = self._shown(field, wire, value, depth, room)
             self._kept += len(shown)
-            kept += shown
+            values += shown
             counts[field.name] = counts.get(field.name, 0) + n
         tree: Tree = {}
         for field in table.values():

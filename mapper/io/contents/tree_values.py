@@ -19,8 +19,8 @@ Tree = dict[str, Any]
 
 def damaged(kind: str) -> ReadError:
     """Return the error that the bytes of a message are none of its type."""
-    said = f"The message is no {kind} as the recording defines it"
-    return ReadError("message.damaged", f"{said:.200}.")
+    message = f"The message is no {kind} as the recording defines it"
+    return ReadError("message.damaged", f"{message:.200}.")
 
 
 def check_size(values: int, depth: int, most: int = MAX_VALUES) -> None:
@@ -31,9 +31,9 @@ def check_size(values: int, depth: int, most: int = MAX_VALUES) -> None:
         raise LimitError("message.too_deep", f"The message’s types are nested more than {MAX_DEPTH} deep.")
 
 
-def cut_list(kept: list[object], n: int) -> list[object]:
+def cut_list(values: list[object], n: int) -> list[object]:
     """Return the elements of an array of ``n`` that are kept, and a sentence on the rest."""
-    return kept if n <= len(kept) else [*kept, f"… {n - len(kept):,} more"]
+    return values if n <= len(values) else [*values, f"… {n - len(values):,} more"]
 
 
 def cut_text(value: str) -> str:

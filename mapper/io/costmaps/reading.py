@@ -82,9 +82,11 @@ class CostmapStream(Sequence[RecordedCostmap]):
         """Return one, or a list of those of a slice."""
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
-        kept = self._kept[index]
-        costs = np.frombuffer(zlib.decompress(kept.packed), dtype=np.uint8).reshape(kept.geometry.shape)
-        return RecordedCostmap(kept.stamp_ns, kept.received_ns, kept.frame, kept.layer, kept.geometry, costs)
+        costmap = self._kept[index]
+        costs = np.frombuffer(zlib.decompress(costmap.packed), dtype=np.uint8).reshape(costmap.geometry.shape)
+        return RecordedCostmap(
+            costmap.stamp_ns, costmap.received_ns, costmap.frame, costmap.layer, costmap.geometry, costs
+        )
 
     def __iter__(self) -> Iterator[RecordedCostmap]:
         """Yield them one after the other."""
@@ -93,17 +95,17 @@ class CostmapStream(Sequence[RecordedCostmap]):
     @property
     def received_ns(self) -> NDArray[np.int64]:
         """Time at which each was recorded (n,)."""
-        return np.array([kept.received_ns for kept in self._kept], dtype=np.int64)
+        return np.array([costmap.received_ns for costmap in self._kept], dtype=np.int64)
 
     @property
     def geometries(self) -> list[GridGeometry]:
         """The cells of each."""
-        return [kept.geometry for kept in self._kept]
+        return [costmap.geometry for costmap in self._kept]
 
     @property
     def frames(self) -> list[str]:
         """The names of their frames, each once."""
-        return sorted({kept.frame for kept in self._kept})
+        return sorted({costmap.frame for costmap in self._kept})
 
     def add(self, costmap: RecordedCostmap) -> int:
         """Keep one; return the bytes that it takes."""
@@ -113,9 +115,9 @@ class CostmapStream(Sequence[RecordedCostmap]):
         )
         return len(packed)
 
-    def keep(self, kept: KeptCostmap) -> None:
+    def keep(self, costmap: KeptCostmap) -> None:
         """Keep one that is compressed."""
-        self._kept.append(kept)
+        self._kept.append(costmap)
 
 
 def costmap_message(

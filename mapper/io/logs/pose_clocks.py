@@ -42,16 +42,16 @@ class PoseClock:
 
     def corrected(self, log: ScanLog, name: str) -> Trajectory:
         """Return a trajectory of a log as it is by the scans' clock. Poses that it does not cover are not known."""
-        trajectory, wanted = log.trajectory(name), self.stamped(seconds(log))
+        trajectory, at = log.trajectory(name), self.stamped(seconds(log))
         motion = Motion.of(log, name)
-        known = motion.covers(wanted) if trajectory.is_known is None else motion.covers(wanted) & trajectory.is_known
+        known = motion.covers(at) if trajectory.is_known is None else motion.covers(at) & trajectory.is_known
         timed = trajectory.timed
         if timed is not None:
             stamps = timed.stamps_ns.astype(np.float64) * 1e-9
             ahead = self.offset + self.rate * (stamps - self.middle - self.offset) / (1.0 + self.rate)
             stamps_ns = timed.stamps_ns - np.round(ahead * 1e9).astype(np.int64)
             timed = TimedPoses(stamps_ns, timed.poses, timed.notes, timed.offset)
-        return replace(trajectory, poses=motion.at(wanted), timed=timed, is_known=None if known.all() else known)
+        return replace(trajectory, poses=motion.at(at), timed=timed, is_known=None if known.all() else known)
 
 
 def pose_clock(log: ScanLog, name: str) -> PoseClock | None:
@@ -135,10 +135,10 @@ def _running(agreement: Agreement, increment: float, middle: float) -> tuple[flo
     least = (np.inf, 0.0, 0.0)
     for rate in np.linspace(-steepest, steepest, RATES):
         for offset in OFFSETS_S:
-            wanted = offset + rate * times
-            if np.abs(wanted).max() > OFFSETS_S[-1] + 1e-9:
+            corrected_s = offset + rate * times
+            if np.abs(corrected_s).max() > OFFSETS_S[-1] + 1e-9:
                 continue
-            total = sum(float(np.interp(w, OFFSETS_S, column)) for w, column in zip(wanted, table.T, strict=True))
+            total = sum(float(np.interp(w, OFFSETS_S, column)) for w, column in zip(corrected_s, table.T, strict=True))
             least = min(least, (total, float(offset), float(rate)))
     _, offset, rate = least
     # Half of the steps between what was tried, and finer.

@@ -40,9 +40,9 @@ def _understood(log: ScanLog) -> ScanLog:
     if contradicted is not None:
         # What is impossible is not used then, but neither are the beams measured at once, as that note says.
         log, why = each_part(log, lambda part: _as_swept(part, contradicted)), [contradicted.why]
-    said = next(filter(None, why[::-1]), "")
-    if said:
-        log = each_part(log, lambda part: replace(part, wrong_sweep=said))
+    reason = next(filter(None, why[::-1]), "")
+    if reason:
+        log = each_part(log, lambda part: replace(part, wrong_sweep=reason))
     log, late = _by_one_clock(log)
     why += late
     return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])

@@ -83,11 +83,11 @@ def read_bee_map(
 
 def _geometry(head: bytes, cols: int, rows: int, limits: Limits, name: str) -> GridGeometry:
     try:
-        said = {key.decode(): float(value) for key, value in _SPECIFICATION.findall(head)}
+        specification = {key.decode(): float(value) for key, value in _SPECIFICATION.findall(head)}
     except ValueError as error:
         raise ReadError("map.bee_head", f"{name}: the map’s head has a value that is not a number.") from error
-    resolution = said.get("resolution", 0.0) / 100.0
+    resolution = specification.get("resolution", 0.0) / 100.0
     if not 0.0 < resolution < 100.0:
         raise ReadError("map.bee_head", f"{name}: the map’s head states no resolution.")
-    x, y = (said.get(key, 0.0) / 100.0 for key in ("autoshifted_x", "autoshifted_y"))
+    x, y = (specification.get(key, 0.0) / 100.0 for key in ("autoshifted_x", "autoshifted_y"))
     return GridGeometry(resolution, rows, cols, (x, y, 0.0), limits)

@@ -219,8 +219,8 @@ def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
             beside = alike[0] if len(alike) == 1 else beside
         has_beside = bool(base) and beside.is_file()
         if has_beside and beside.resolve().is_relative_to(root):
-            taken = f"{beside.name!r:.80} beside the yaml is read in its place."
-            return beside, f"The yaml names the image {name!r:.120}; {taken}"
+            note = f"{beside.name!r:.80} beside the yaml is read in its place."
+            return beside, f"The yaml names the image {name!r:.120}; {note}"
     except (OSError, ValueError, RuntimeError) as error:  # a loop of links, a name that is too long
         raise ReadError("map.image_missing", f"The image {name!r:.80} of the map cannot be found.") from error
     if has_beside:

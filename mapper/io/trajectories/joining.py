@@ -51,8 +51,8 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
         t_map_odom = compose(at_scans[nearest], inverse(own[nearest]))
         at_scans[scans] = compose(t_map_odom, own[scans])
     are = "1 scan lies" if outside == 1 else f"{outside} scans lie"
-    said = f"{are} before the first or after the last pose: the log’s own poses continue the trajectory."
-    return at_scans, [*notes, said]
+    note = f"{are} before the first or after the last pose: the log’s own poses continue the trajectory."
+    return at_scans, [*notes, note]
 
 
 TUM = "tum"  #: name of the trajectory that a TUM file is in a log
@@ -76,22 +76,22 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
     notes: list[str] = []
     at_scans = poses.poses
     if not is_scan_by_scan(log, poses):
-        poses, said = _by_the_clock_of_scans(log, poses, name)
+        poses, new_notes = _by_the_clock_of_scans(log, poses, name)
         log, notes = cut_to(log, poses)
-        notes += said
+        notes += new_notes
         at_scans = poses.at(log.stamps_ns)
     added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan", offset=poses.offset)
     known = {own: trajectory for own, trajectory in log.trajectories.items() if not trajectory.is_placeholder}
     outdated = {trajectory.placeholder_note for trajectory in log.trajectories.values()}
-    kept = [note for note in log.notes if note not in outdated]
-    return replace(log, trajectories={name: added, **known}, notes=(*kept, *poses.notes, *notes))
+    old_notes = [note for note in log.notes if note not in outdated]
+    return replace(log, trajectories={name: added, **known}, notes=(*old_notes, *poses.notes, *notes))
 
 
 def _by_the_clock_of_scans(log: ScanLog, poses: TimedPoses, name: str) -> tuple[TimedPoses, list[str]]:
     """Return poses that are stamped late or early as the readings have it, and a note then."""
     longest = max(sensors_of(log), key=lambda part: part.n_scans)
-    given = Trajectory(poses.at(longest.stamps_ns), timed=poses, offset=poses.offset)
-    alone = replace(longest, trajectories={name: given})
+    trajectory = Trajectory(poses.at(longest.stamps_ns), timed=poses, offset=poses.offset)
+    alone = replace(longest, trajectories={name: trajectory})
     clock = pose_clock(alone, name)
     if clock is None:
         return poses, []

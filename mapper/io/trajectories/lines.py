@@ -29,12 +29,12 @@ class _Layout:
     has_decimal_commas: bool
 
     @classmethod
-    def of(cls, line: str, wanted: int) -> _Layout:
-        """Return the layout by a line of numbers, in which at least ``wanted`` values are expected."""
+    def of(cls, line: str, count: int) -> _Layout:
+        """Return the layout by a line of numbers, in which at least ``count`` values are expected."""
         if ";" in line:
             return cls(";", "," in line)
         words = line.split()
-        if "," in line and len(words) >= wanted and not any(re.search(",.*,|,$", word) for word in words):
+        if "," in line and len(words) >= count and not any(re.search(",.*,|,$", word) for word in words):
             return cls(None, has_decimal_commas=True)
         return cls("," if "," in line else None, has_decimal_commas=False)
 
@@ -55,20 +55,20 @@ def rows(
     for packed data that is damaged and for a file that cannot be opened, and :class:`LimitError`.
     """
     lines = TextLines(path, limits)
-    wanted = columns.split()
-    order, n_values = list(range(len(wanted))), len(wanted)
+    names = columns.split()
+    order, n_values = list(range(len(names))), len(names)
     layout: _Layout | None = None
     for number, text in lines:
-        said = text.decode("latin-1").strip()
+        row = text.decode("latin-1").strip()
         if layout is None:
-            named = _columns_named(said, wanted, synonyms or {})
+            named = _columns_named(row, names, synonyms or {})
             if named is not None:
                 order, n_values = named
                 continue
-        if not said or said.startswith("#"):
+        if not row or row.startswith("#"):
             continue
-        layout = layout or _Layout.of(said, n_values)
-        tokens = layout.split(said)
+        layout = layout or _Layout.of(row, n_values)
+        tokens = layout.split(row)
         if len(tokens) != n_values:
             raise ReadError("trajectory.columns", f"Line {number} {_why_not(tokens, text, kind, n_values, columns)}")
         if layout.separator == "," and order == list(range(n_values)):
@@ -78,15 +78,15 @@ def rows(
         raise ReadError("trajectory.truncated", f"{lines.broken}, after line {lines.number}.")
 
 
-def _columns_named(line: str, wanted: Sequence[str], synonyms: Mapping[str, str]) -> tuple[list[int], int] | None:
+def _columns_named(line: str, columns: Sequence[str], synonyms: Mapping[str, str]) -> tuple[list[int], int] | None:
     """Return where the wanted columns stand in a line that names them all, and how many it names; None of others."""
     line = line.lstrip("#% ")
     separator = next((sign for sign in ",;\t" if sign in line), None)
     names = [_UNIT.sub("", name.strip(' "').lower()) for name in line.split(separator)]
     names = [synonyms.get(name, name) for name in names]
-    if any(names.count(column) != 1 for column in wanted):
+    if any(names.count(column) != 1 for column in columns):
         return None
-    return [names.index(column) for column in wanted], len(names)
+    return [names.index(column) for column in columns], len(names)
 
 
 def _why_not(tokens: Sequence[str], text: bytes, kind: str, n_values: int, columns: str) -> str:

@@ -60,12 +60,12 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
     is no place or no rotation, or an invalid time, and for a file without poses; :class:`LimitError` for one with
     more lines or bytes than ``limits`` allow.
     """
-    stamped, table, said = tum_rows(Path(path), limits)
+    stamped, table, row_notes = tum_rows(Path(path), limits)
     poses = Poses3(table[:, :3], table[:, 3:])
     planar = poses.planar
     offset = offset_of(planar)
     planar[:, :2] -= offset
-    notes = [*said, *_notes_on_space(poses), *_notes_on_time(stamped)]
+    notes = [*row_notes, *_notes_on_space(poses), *_notes_on_time(stamped)]
     if offset != NO_OFFSET:
         notes.append(note_on_offset("The poses of the TUM file", offset))
     return TimedPoses(stamped, planar, tuple(notes), offset)

@@ -81,7 +81,7 @@ def accumulate_scan(
     d_x, d_y = pose[0] - at[0], pose[1] - at[1]
     t_x, t_y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
     by_normal, to_line = rule.min_cosine > -1.0, rule.residual == LINE
-    wanted = POINT_WITH_NORMAL if by_normal or to_line else POINT
+    pair_kind = POINT_WITH_NORMAL if by_normal or to_line else POINT
     points, normals, kind = moving.points[i], moving.normals[i], moving.kind[i]
     lines, line_normals = fixed.points[j], fixed.normals[j]
     room = moving.n_beams[i] // rule.stride + 1
@@ -93,7 +93,7 @@ def accumulate_scan(
             beams[n] = k
             n += 1
     nearest = np.empty(n, dtype=np.int64)
-    _pair_points(fixed, j, xy, n, gate, rule.max_beams, wanted, nearest)
+    _pair_points(fixed, j, xy, n, gate, rule.max_beams, pair_kind, nearest)
     paired = np.empty((n, 6))  # of each pair: the point turned and placed, what it is paired with
     pairs, tried = 0, 0
     for p in range(n):
@@ -125,7 +125,7 @@ def accumulate_scan(
             squares_of += paired[:pairs, 5] ** 2
         squares_of.sort()
         greatest = squares_of[min(max(int(rule.keep * pairs), 1), pairs) - 1]
-    kept, squares, weighted = 0, 0.0, 0.0
+    count, squares, weighted = 0, 0.0, 0.0
     h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     g0, g1, g2 = 0.0, 0.0, 0.0
     for k in range(pairs):
@@ -158,7 +158,7 @@ def accumulate_scan(
             g0 -= w * e
             g1 -= w * e_y
             g2 -= w * (r_x * e_y - r_y * e)
-        kept += 1
+        count += 1
         squares += square
         weighted += w * square
     # From the axes of the other scan's base to those of the map.
@@ -176,7 +176,7 @@ def accumulate_scan(
     gradient[0] += c_j * g0 - s_j * g1
     gradient[1] += s_j * g0 + c_j * g1
     gradient[2] += g2
-    return kept, tried, squares, weighted
+    return count, tried, squares, weighted
 
 
 @jit

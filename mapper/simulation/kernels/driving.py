@@ -158,10 +158,10 @@ def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
 
     See :meth:`mapper.simulation.textbook_driving.Drive.step`.
     """
-    before, wanted = state[LINEAR], state[WANTED_LINEAR]
-    slowing = abs(wanted) < abs(before) or wanted * before < 0.0
+    before, target = state[LINEAR], state[WANTED_LINEAR]
+    slowing = abs(target) < abs(before) or target * before < 0.0
     rate = BRAKING if slowing else LINEAR_ACCELERATION
-    linear = before + _clip(_clip(wanted, MAX_LINEAR) - before, rate * STEP)
+    linear = before + _clip(_clip(target, MAX_LINEAR) - before, rate * STEP)
     angular = state[ANGULAR]
     angular += _clip(_clip(state[WANTED_ANGULAR], MAX_ANGULAR) - angular, ANGULAR_ACCELERATION * STEP)
     x, y, yaw = state[X], state[Y], state[YAW]

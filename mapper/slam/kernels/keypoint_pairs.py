@@ -22,18 +22,18 @@ def nearest_descriptors(ours: Float32Array, theirs: Float32Array, nearest: Int64
     nearest[:] = -1
     for a in range(len(ours)):
         # The k least squares so far are kept in order.
-        kept = [1e300] * k
+        least = [1e300] * k
         for b in range(len(theirs)):
             square = 0.0
             for d in range(ours.shape[1]):
                 off = float(ours[a, d]) - float(theirs[b, d])
                 square += off * off
-            if square < kept[k - 1]:
+            if square < least[k - 1]:
                 place = k - 1
-                while place > 0 and square < kept[place - 1]:
-                    kept[place], nearest[a, place] = kept[place - 1], nearest[a, place - 1]
+                while place > 0 and square < least[place - 1]:
+                    least[place], nearest[a, place] = least[place - 1], nearest[a, place - 1]
                     place -= 1
-                kept[place], nearest[a, place] = square, b
+                least[place], nearest[a, place] = square, b
 
 
 @jit

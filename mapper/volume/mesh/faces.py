@@ -116,10 +116,10 @@ class VoxelFaces:
     def _paint(self, voxels: Int64Array, colours: UInt8Array) -> None:
         """Give the voxels of the chunk that are drawn other colours."""
         inner = self._colours[1:-1, 1:-1, 1:-1]
-        wanted = np.ones(inner.size, dtype=np.uint8)
-        wanted[voxels] = colours
+        values = np.ones(inner.size, dtype=np.uint8)
+        values[voxels] = colours
         drawn = (inner != 0) & (inner != COVERED)
-        inner[drawn] = wanted.reshape(inner.shape)[drawn]
+        inner[drawn] = values.reshape(inner.shape)[drawn]
 
     def clear(self) -> None:
         """Forget all chunks."""

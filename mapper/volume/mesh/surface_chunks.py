@@ -59,19 +59,19 @@ class SurfaceChunks:
             keys = [_key(code) for code in pending[some].tolist()]
             # The centres of the first voxels of the chunks, in voxels from 0 of the map.
             firsts = CHUNK * np.array(keys) - KEYS // 2 + 0.5
-            for key, made in zip(keys, chunk_meshes(mesh, ends, firsts, volume.config.resolution), strict=True):
-                self._put(key, made)
+            for key, chunk in zip(keys, chunk_meshes(mesh, ends, firsts, volume.config.resolution), strict=True):
+                self._put(key, chunk)
             self._pending.difference_update(pending[some].tolist())
             if is_over():
                 return
 
-    def _put(self, key: ChunkKey, made: ChunkMesh) -> None:
-        if not len(made.triangles):
+    def _put(self, key: ChunkKey, chunk: ChunkMesh) -> None:
+        if not len(chunk.triangles):
             self.chunks.pop(key, None)
             return
         before = self.chunks.get(key)
-        if before is None or not made.equals(before):
-            self.chunks[key] = made
+        if before is None or not chunk.equals(before):
+            self.chunks[key] = chunk
 
 
 _BITS = 11  # of one coordinate of a chunk

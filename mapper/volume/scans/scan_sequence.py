@@ -213,7 +213,7 @@ def _of_source(source: ScanSource, most: int, progress: Progress | None) -> Scan
 
 def _of_depth_folder(path: Path, limits: Limits, progress: Progress | None, most: int) -> ScanSequence:
     folder = read_depth_folder(path, limits=limits)
-    kept = GatheredDepth(folder.camera, folder.unit)
+    images = GatheredDepth(folder.camera, folder.unit)
 
     def scans() -> Iterator[PlacedScan]:
         for frame in folder.frames:
@@ -221,12 +221,12 @@ def _of_depth_folder(path: Path, limits: Limits, progress: Progress | None, most
             cloud = PointCloud(folder.camera.points(depth), frame.stamp_ns, frame.name, depth.shape)
             scan = placed_scan(PosedCloud(cloud, frame.pose))
             if len(scan.points):
-                kept.add(depth, frame.pose)
+                images.add(depth, frame.pose)
                 yield scan
 
     source = ScanSource("depth images", scans(), len(folder), list(folder.notes))
     sequence = _of_source(source, most, progress)
-    return replace(sequence, notes=(*sequence.notes, *kept.notes), depth=kept.sequence(sequence.offset))
+    return replace(sequence, notes=(*sequence.notes, *images.notes), depth=images.sequence(sequence.offset))
 
 
 def _of_cloud(path: Path, kind: str, limits: Limits, progress: Progress | None, most: int) -> ScanSequence:
@@ -243,10 +243,10 @@ def _of_cloud(path: Path, kind: str, limits: Limits, progress: Progress | None, 
         notes.append("The file does not say where the sensor was: its points are occupied, and nothing is free.")
     side = FINEST_M
     while len(points) > most and side < 10.0:
-        kept = first_in_cubes(points, side)
-        if len(kept) <= most:
-            notes.append(f"{len(kept):,} of {len(points):,} points are kept: one in each cube of {100.0 * side:g} cm.")
-            points, fields = points[kept], {name: values[kept] for name, values in fields.items()}
+        rows = first_in_cubes(points, side)
+        if len(rows) <= most:
+            notes.append(f"{len(rows):,} of {len(points):,} points are kept: one in each cube of {100.0 * side:g} cm.")
+            points, fields = points[rows], {name: values[rows] for name, values in fields.items()}
         side *= 2.0
     gathered = _Gathered(len(points), is_single=True)
     gathered.add(points)

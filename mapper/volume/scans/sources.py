@@ -92,14 +92,14 @@ def _opened_source(
         graph = read_scan_graph(path, limits=limits, progress=progress)
         return ScanSource(kind, map(placed_scan, graph), None, [])
     if kind is None:
-        given = None if poses is None else poses.at
+        pose_at = None if poses is None else poses.at
         clouds = open_posed_clouds(
             path,
             topic=topic,
             tf=tf,
             trajectory=trajectory,
             time_offset=time_offset,
-            given=given,
+            given=pose_at,
             limits=limits,
             progress=progress,
         )

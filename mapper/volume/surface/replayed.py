@@ -80,8 +80,8 @@ class ReplayedSurface:
         self.volume = TsdfVolume(self.config, self._limits())
         del self.counts[index:]
         if index:
-            kept = self._snapshots[index]
-            self.volume.set_blocks(kept.codes, kept.distances, kept.weights)
+            snapshot = self._snapshots[index]
+            self.volume.set_blocks(snapshot.codes, snapshot.distances, snapshot.weights)
         self._touched: list[Int32Array] = []
         self._changed_all = True
 
@@ -117,9 +117,9 @@ class ReplayedSurface:
         then that of the scans before.
         """
         if index < self.index:
-            kept = self.snapshots
-            place = bisect_right(kept, index)
-            self._begin(kept[place - 1] if place else 0)
+            snapshots = self.snapshots
+            place = bisect_right(snapshots, index)
+            self._begin(snapshots[place - 1] if place else 0)
         while self.index < index:
             if not may_continue():
                 raise WorkCancelledError("tsdf.cancelled", f"The surface was cancelled after {self.index} scans.")
@@ -138,8 +138,8 @@ class ReplayedSurface:
         if not is_due or self.index in self._snapshots or self.index == self.count:
             return
         volume = self.volume
-        kept = Snapshot(volume.blocks.codes.copy(), volume.distances.copy(), volume.weights.copy())
-        self._snapshots[self.index] = kept
+        copy = Snapshot(volume.blocks.codes.copy(), volume.distances.copy(), volume.weights.copy())
+        self._snapshots[self.index] = copy
         while self._snapshots and sum(snapshot.nbytes for snapshot in self._snapshots.values()) > self._most_bytes:
             self._every *= 2
             self._snapshots = {at: snapshot for at, snapshot in self._snapshots.items() if at % self._every == 0}

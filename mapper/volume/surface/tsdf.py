@@ -128,10 +128,10 @@ class TsdfVolume:
                 for a, b in parts
             ]
         )
-        kept = new[touched[new] == 3]
+        complete = new[touched[new] == 3]
         touched[new] = touched[new] == 3
-        self._keep(codes[kept], slots[kept], first, len(new))
-        slots[kept] = first + np.arange(len(kept), dtype=np.int32)
+        self._keep(codes[complete], slots[complete], first, len(new))
+        slots[complete] = first + np.arange(len(complete), dtype=np.int32)
         return Fused(np.sort(slots[touched > 0]), used)
 
     def fuse_points(self, points: ArrayLike, origin: ArrayLike) -> Fused:

@@ -131,13 +131,13 @@ def map3d(
     for row in OF_SURFACES:
         if row.name in typed:
             fail(f"--{row.name.replace('_', '-')} is of surfaces: it needs --tsdf.")
-    given = given_values(_ROWS, typed)
+    values = given_values(_ROWS, typed)
     began = time.process_time()
     read = _first_octree(inputs[0])
     if read is not None:
-        given.setdefault("resolution", read.tree.resolution)
+        values.setdefault("resolution", read.tree.resolution)
     try:
-        config = VolumeConfig(**given)
+        config = VolumeConfig(**values)
         if read is not None and config.resolution != read.tree.resolution:
             raise ConfigError(
                 "volume.resolutions",

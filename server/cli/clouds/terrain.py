@@ -53,10 +53,10 @@ def terrain(
     **parameters: Any,  # noqa: ANN401 - the tables'
 ) -> None:
     """Find the ground in a point cloud by SMRF, fit planes to its patches, and say which are safe to drive on."""
-    given = given_values(_ROWS, parameters)
+    values = given_values(_ROWS, parameters)
     try:
-        ground_config = GroundConfig(**{row.name: given[row.name] for row in GROUND_PARAMETERS if row.name in given})
-        config = PatchConfig(**{row.name: given[row.name] for row in PATCH_PARAMETERS if row.name in given})
+        ground_config = GroundConfig(**{row.name: values[row.name] for row in GROUND_PARAMETERS if row.name in values})
+        config = PatchConfig(**{row.name: values[row.name] for row in PATCH_PARAMETERS if row.name in values})
     except MapperError as error:
         fail(error.message)
     with refusing(cloud):

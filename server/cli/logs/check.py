@@ -80,8 +80,8 @@ def check(
             f"drift {verdict.drift:.2f} m" if verdict.drift is not None else "",
             f"sharpness {verdict.sharpness:.3f}" if verdict.sharpness is not None else "",
         ]
-        said = ["passed" if verdict.passed else "failed", *(drift_ for drift_ in measured if drift_)]
-        typer.echo(f"{scans.name}: {', '.join(said)}")
+        results = ["passed" if verdict.passed else "failed", *(drift_ for drift_ in measured if drift_)]
+        typer.echo(f"{scans.name}: {', '.join(results)}")
         for reason in verdict.reasons:
             of = f" of {reason.sensor}" if reason.sensor else ""
             typer.echo(f"  {reason.check}{of}: {reason.sentence}")
@@ -89,7 +89,7 @@ def check(
         raise typer.Exit(FAILED)
 
 
-def _check_number(option: str, value: float | None, greatest: float, wanted: str) -> None:
+def _check_number(option: str, value: float | None, greatest: float, expected: str) -> None:
     """End the command where ``value`` is given and not a finite number from 0 to ``greatest``."""
     if value is not None and not (math.isfinite(value) and 0.0 <= value <= greatest):
-        fail(f"{option} needs {wanted}, not {value:g}.")
+        fail(f"{option} needs {expected}, not {value:g}.")

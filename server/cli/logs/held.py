@@ -44,26 +44,26 @@ class ImuFacts(Struct):
     mount: list[float] | None
 
 
-def print_held(path: Path, held: Held, *, as_json: bool) -> None:
+def print_held(path: Path, content: Held, *, as_json: bool) -> None:
     """Print a recording that has no scans."""
-    clouds, imus = clouds_facts(held.clouds), imus_facts(held.imus)
-    notes = [*([held.no_scans] if held.no_scans else []), *held.contents.notes]
+    clouds, imus = clouds_facts(content.clouds), imus_facts(content.imus)
+    notes = [*([content.no_scans] if content.no_scans else []), *content.contents.notes]
     if as_json:
         print_json(
             {
                 "name": path.name,
-                "format": held.format,
+                "format": content.format,
                 "scans": 0,
-                "contents": contents_facts(held.contents.topics),
+                "contents": contents_facts(content.contents.topics),
                 "clouds": to_builtins(clouds),
                 "imus": to_builtins(imus),
                 "notes": notes,
             }
         )
         return
-    typer.echo(f"{path.name}: {held.format}")
+    typer.echo(f"{path.name}: {content.format}")
     typer.echo("  no scans of which a map can be made")
-    for topic in held.contents.topics:
+    for topic in content.contents.topics:
         typer.echo(f"    {topic_line(topic)}")
     for line in (*map(stream_line, clouds), *map(stream_line, imus)):
         typer.echo(f"  {line}")
@@ -124,13 +124,15 @@ def _place(mounts: NDArray[np.float64] | None) -> list[float] | None:
 def stream_line(stream: CloudFacts | ImuFacts) -> str:
     """Say what the clouds or the IMU of one topic are."""
     at = "" if stream.mount is None else f" at {', '.join(f'{value:g}' for value in stream.mount)} m"
-    said = f"frame {stream.frame}{at}"
+    facts = f"frame {stream.frame}{at}"
     if isinstance(stream, ImuFacts):
         oriented = ", with orientation" if stream.has_orientation else ""
-        return f"IMU {stream.topic}: {stream.count} messages, {said}{oriented}"
+        return f"IMU {stream.topic}: {stream.count} messages, {facts}{oriented}"
     times = ", a time for each point" if stream.has_times else ""
     fields = ", ".join(["x, y, z", *stream.fields])
-    return f"clouds {stream.topic}: {stream.count} of {stream.width} × {stream.height} points ({fields}){times}, {said}"
+    return (
+        f"clouds {stream.topic}: {stream.count} of {stream.width} × {stream.height} points ({fields}){times}, {facts}"
+    )
 
 
 def size_line(topic: TopicContents, *, with_rate: bool = True) -> str:
@@ -165,17 +167,17 @@ def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
 def cloud_lines(facts: CloudDescription) -> list[str]:
     """Say what is known of a cloud, a line for each fact."""
     rows = "" if facts.organised is None else f", {facts.organised[1]} × {facts.organised[0]}"
-    said = [f"{facts.points} points{rows}"]
+    parts = [f"{facts.points} points{rows}"]
     if facts.low is not None and facts.high is not None:
         size = " × ".join(f"{high - low:.2f}" for low, high in zip(facts.low, facts.high, strict=True))
-        said.append(f"box {_point(facts.low)} to {_point(facts.high)}: {size} m")
+        parts.append(f"box {_point(facts.low)} to {_point(facts.high)}: {size} m")
     if facts.spacing_m is not None:
-        said.append(f"spacing {facts.spacing_m:.3g} m, the median distance to the nearest point")
+        parts.append(f"spacing {facts.spacing_m:.3g} m, the median distance to the nearest point")
     fields = ["x, y, z", *(_field(name, kind) for name, kind in facts.fields.items())]
-    said.append(f"fields {', '.join(fields)}" + (", a time for each point" if facts.has_times else ""))
+    parts.append(f"fields {', '.join(fields)}" + (", a time for each point" if facts.has_times else ""))
     if facts.sensor is not None:
-        said.append(f"sensor at {_point(facts.sensor)}")
-    return said
+        parts.append(f"sensor at {_point(facts.sensor)}")
+    return parts
 
 
 def _field(name: str, kind: list[str | int]) -> str:

@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import typer
 from msgspec import to_builtins
 
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ReadError
 from mapper.diagnosis import diagnose
 from mapper.io.clouds.depth_folder import is_depth_folder
@@ -40,6 +39,7 @@ from server.cli.common import (
     configured,
     fail,
     given_parameters,
+    output_file,
     print_json,
     print_notes,
     progress_bar,
@@ -144,7 +144,7 @@ def _write_report(path: Path) -> None:
     if not path.exists():
         fail(f"{path}: There is no such file.")
     text = json.dumps({"gridbloom": package_version()} | excerpt(path), indent=1, ensure_ascii=False, allow_nan=False)
-    with atomic_write(Path(REPORT)) as file:
+    with output_file(Path(REPORT)) as file:
         file.write(text.encode())
     typer.echo(
         f"wrote {REPORT}, {len(text.encode()):,} bytes: types, topics, frames, counts, limits and notes. Readings, "
@@ -152,11 +152,11 @@ def _write_report(path: Path) -> None:
     )
 
 
-def _causes(log: ScanLog, trajectory: str | None, given: dict[str, object]) -> list[str]:
+def _causes(log: ScanLog, trajectory: str | None, parameters: dict[str, object]) -> list[str]:
     """Return the note of ``map`` on what makes the log's map bad, if it is known."""
-    config = configured(recorded_defaults(log.beam_width, given))
+    config = configured(recorded_defaults(log.beam_width, parameters))
 
-    return [said for said in cause_and_drift(log, trajectory, config) if said]
+    return [line for line in cause_and_drift(log, trajectory, config) if line]
 
 
 def _print_cloud(path: Path, *, as_json: bool) -> bool:
@@ -189,10 +189,10 @@ def _read(
         try:
             robot, contents = open_inspected(log, selection=Selection.of(topic, tf=tf), progress=bar)
         except ReadError as error:
-            held = open_held(log) if error.code == "log.no_scans" and topic is None else None
-            if held is None or not held.contents.topics:
+            content = open_held(log) if error.code == "log.no_scans" and topic is None else None
+            if content is None or not content.contents.topics:
                 raise
-            return replace(held, no_scans=error.message)
+            return replace(content, no_scans=error.message)
         return robot, contents.topics
 
 
@@ -200,25 +200,25 @@ def _time_line(time: TimeSummary | None) -> str:
     """Say when the scans of a log were made."""
     if time is None or time.rate_hz is None:
         return "no times"
-    said = [] if time.start_s is None else [f"from {datetime.fromtimestamp(time.start_s, UTC):%Y-%m-%d %H:%M:%S} UTC"]
-    said.append(f"{time.rate_hz:.1f} scans a second")
+    parts = [] if time.start_s is None else [f"from {datetime.fromtimestamp(time.start_s, UTC):%Y-%m-%d %H:%M:%S} UTC"]
+    parts.append(f"{time.rate_hz:.1f} scans a second")
     gaps = f"{time.gaps} gap{'s' if time.gaps != 1 else ''}"
     at = f", the longest of {time.longest_gap_s:.1f} s at {time.longest_gap_at_s:.1f} s" if time.gaps else ""
-    return ", ".join(said) + f", {gaps}{at}"
+    return ", ".join(parts) + f", {gaps}{at}"
 
 
 def _sensor_line(topic: Topic) -> str:
     """Say what is known of one topic of a log."""
-    said = [f"{topic.name}: {topic.count} × {topic.type}"]
+    parts = [f"{topic.name}: {topic.count} × {topic.type}"]
     if topic.beams is not None:
-        said.append(f"{topic.beams} beam{'s' if topic.beams != 1 else ''} over {topic.field_of_view_deg:.1f}°")
+        parts.append(f"{topic.beams} beam{'s' if topic.beams != 1 else ''} over {topic.field_of_view_deg:.1f}°")
     if topic.rate_hz is not None:
-        said.append(f"{topic.rate_hz:.1f} Hz")
+        parts.append(f"{topic.rate_hz:.1f} Hz")
     if topic.frame:
-        said.append(f"frame {topic.frame}")
+        parts.append(f"frame {topic.frame}")
     if topic.mount is not None:
-        said.append(f"at {', '.join(f'{value:g}' for value in topic.mount)}")
-    return ", ".join(said)
+        parts.append(f"at {', '.join(f'{value:g}' for value in topic.mount)}")
+    return ", ".join(parts)
 
 
 FEW = 5  #: scan numbers printed per finding
@@ -256,8 +256,8 @@ def doctor(
         )
         return
     counts = [(len(findings), "finding"), (len(events), "event")]
-    said = [f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n or name == "finding"]
-    typer.echo(f"{scans.name}: {', '.join(said)}")
+    totals = [f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n or name == "finding"]
+    typer.echo(f"{scans.name}: {', '.join(totals)}")
     for finding in findings:
         possible = "possible, " if finding.possible else ""
         of = f" of {finding.sensor}" if finding.sensor else ""

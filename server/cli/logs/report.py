@@ -28,6 +28,7 @@ from server.cli.common import (
     configured,
     fail,
     given_parameters,
+    output_file,
     progress_bar,
     refusing,
     with_parameter_options,
@@ -65,8 +66,8 @@ def report(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Write a report on a log: facts, events, findings, maps, drift, a picture, notes, parameters and versions."""
-    given = given_parameters(parameters, mount)
-    config = configured(given)
+    values = given_parameters(parameters, mount)
+    config = configured(values)
     scans = read_joint(log, topic or (), tum_trajectory, tf)
     name = trajectory or (list(scans.trajectories)[-1] if tum_trajectory is not None else scans.default_trajectory)
     if slam:
@@ -76,14 +77,14 @@ def report(
     with refusing(log), progress_bar("Examining") as bar:
         corrected = with_corrections(log, scans, replace(config, time_offset=0.0))
         diagnosis = diagnose(corrected, name, bar, time_offset=config.time_offset)
-        shown = config.with_values(recorded_defaults(scans.beam_width, given))
-        made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events), notes=placed)
-        page = report_page(made)
+        shown = config.with_values(recorded_defaults(scans.beam_width, values))
+        content = make_report(
+            scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events), notes=placed
+        )
+        page = report_page(content)
         data = report_pdf(page) if out.suffix.lower() == ".pdf" else page.encode()
-    try:
-        out.write_bytes(data)
-    except OSError as error:
-        fail(f"{out}: {error.strerror}")
+    with output_file(out) as file:
+        file.write(data)
     typer.echo(f"{out} written")
 
 

@@ -48,9 +48,9 @@ def bench_map_command(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Measure the time to compute a log's map, for each kind of update; the shortest of several runs counts."""
-    given = given_parameters(parameters, mount)
+    values = given_parameters(parameters, mount)
     scans = read_log(log, topic, tum_trajectory, tf)
-    config = configured(recorded_defaults(scans.beam_width, given))
+    config = configured(recorded_defaults(scans.beam_width, values))
     with refusing(log):
         measured = bench_map(scans, config, repeats, trajectory)
     facts = {

@@ -52,16 +52,16 @@ def compare(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make two maps that differ in parameters, poses or log, and compare them cell by cell."""
-    given = given_parameters(parameters, mount)
+    values = given_parameters(parameters, mount)
     changed = set_values(BY_NAME, other or [], "--other")
-    configured(given | changed)
+    configured(values | changed)
     sides = [
-        (log, topic, trajectory, given),
+        (log, topic, trajectory, values),
         (
             other_log or log,
             None if other_log else topic,
             other_trajectory or (None if other_log else trajectory),
-            given | changed,
+            values | changed,
         ),
     ]
     grids = []

@@ -79,11 +79,11 @@ def map_log(
 ) -> None:
     """Make the map of a log."""
     cut = given_cut(parameters)
-    given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
+    values, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
     logs = read_sensors(log, topics, tum_trajectory, cut, tf)
-    check_mount(len(logs), configured(given))
+    check_mount(len(logs), configured(values))
     scans = logs[0]
     with refusing(log):
         trajectory = trajectory or scans.default_trajectory
@@ -92,7 +92,7 @@ def map_log(
     notes = [*read_notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
     if prior_map is not None:
         frame = prior_map.frame
-    config = _config_for(logs, given)
+    config = _config_for(logs, values)
     with refusing(log, notes):
         grid = grid_for(
             scans,
@@ -200,9 +200,9 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
     return deskewed, [note] if left_out else []
 
 
-def _config_for(logs: Sequence[ScanLog], given: dict[str, object]) -> MappingConfig:
+def _config_for(logs: Sequence[ScanLog], values: dict[str, object]) -> MappingConfig:
     """Return the parameters that suit all sensors; end the command where they need different ones."""
-    configs = {configured(recorded_defaults(log.beam_width, given)) for log in logs}
+    configs = {configured(recorded_defaults(log.beam_width, values)) for log in logs}
     if len(configs) > 1:
         fail("The sensors need different models, as a sonar and a lidar do: map each by itself, and merge the maps.")
     return configs.pop()

@@ -72,15 +72,15 @@ def merge(
     """
     check_mode(mode)
     begin = None if guess is None else numbers("--guess", "three numbers, X,Y,YAW in metres and radians", 3, guess)
-    given = given_parameters(parameters, mount)
+    values = given_parameters(parameters, mount)
     if are_logs(maps):
 
         def read(path: Path) -> ScanLog:
-            return with_corrections(path, read_joint(path, topic or (), tf=tf), configured(given))
+            return with_corrections(path, read_joint(path, topic or (), tf=tf), configured(values))
 
         merge_log_files(maps, read, out, mode, begin, as_json=as_json)
         return
-    if topic or tf or given:
+    if topic or tf or values:
         fail("A topic, a mount and a time offset are those of logs, and these are map files.")
     if begin is not None:
         fail("--guess is for logs: map files are merged where their cells are.")

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import typer
 
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError
 from mapper.costmap.build import DEFAULT, build_costmap
 from mapper.costmap.nav2.reading import costmap_of
@@ -18,7 +17,7 @@ from mapper.planning import plan_path
 from mapper.planning.nav2_parameters import Nav2Path, path_of
 from mapper.planning.plan import travel_time
 from server.cli.commands import app
-from server.cli.common import AsJson, fail, numbers, print_json, print_notes, refusing
+from server.cli.common import AsJson, fail, make_folder_of, numbers, output_file, print_json, print_notes, refusing
 from server.cli.maps.costmap import (
     UNKNOWN_AS_FREE,
     KeepoutMask,
@@ -69,9 +68,9 @@ def path(
         with refusing(params):
             root = parse_ros_parameters(read_parameter_file(params))
             parameters, nav2 = costmap_of(root), path_of(root)
-    given: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
+    options: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
     try:
-        config = replace(nav2.planner, **{name: value for name, value in given.items() if value is not None})
+        config = replace(nav2.planner, **{name: value for name, value in options.items() if value is not None})
     except MapperError as error:
         fail(error.message)
     with refusing(map_yaml):
@@ -104,12 +103,9 @@ def path(
     }
     if out is not None:
         lines = "".join(f"{x:.6f},{y:.6f}\n" for x, y in planned.points)
-        try:
-            out.parent.mkdir(parents=True, exist_ok=True)
-            with atomic_write(out) as file:
-                file.write(f"x,y\n{lines}".encode())
-        except OSError as error:
-            fail(f"{out}: The path cannot be written: {error.strerror}.")
+        make_folder_of(out)
+        with output_file(out) as file:
+            file.write(f"x,y\n{lines}".encode())
         facts["file"] = str(out)
     if as_json:
         print_json(facts)

@@ -71,7 +71,7 @@ class PriorMap:
 
 
 def given_prior(
-    text: str | None, frame: str | None, given: dict[str, object]
+    text: str | None, frame: str | None, values: dict[str, object]
 ) -> tuple[dict[str, object], PriorMap | None]:
     """Return the parameters with a prior that is a number or a map file, and the map.
 
@@ -82,14 +82,14 @@ def given_prior(
         if frame is not None:
             fail("--prior-frame needs a map file, given with --prior.")
         if number is not None:
-            given = given | {"log_odds_prior": number}
-            configured(given)
-        return given, None
+            values = values | {"log_odds_prior": number}
+            configured(values)
+        return values, None
 
     path = Path(text)
     with refusing(path):
         loaded = load_map(path)
-        given = {"resolution": loaded.grid.geometry.resolution} | given
-        check_resolution(loaded.grid, MappingConfig().with_values(given))
+        values = {"resolution": loaded.grid.geometry.resolution} | values
+        check_resolution(loaded.grid, MappingConfig().with_values(values))
     stated = frame or loaded.description.frame or DEFAULT_FRAME
-    return given, PriorMap(path, loaded.grid, loaded.notes, stated, frame is not None)
+    return values, PriorMap(path, loaded.grid, loaded.notes, stated, frame is not None)

@@ -49,10 +49,10 @@ def why(
 ) -> None:
     """Print the updates of a cell: every beam that changed it, and what each beam added."""
     point = place(at)
-    given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
+    values, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     scans = read_log(log, topic, tum_trajectory, tf)
     notes = prior_map.notes_for(scans, trajectory) if prior_map else ()
-    config = configured(recorded_defaults(scans.beam_width, given))
+    config = configured(recorded_defaults(scans.beam_width, values))
     with refusing(log):
         replay = Replay(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
         replay.advance_to(scans.n_scans if first_scans is None else first_scans)

@@ -27,6 +27,7 @@ from server.cli.common import (
     configured,
     fail,
     given_parameters,
+    make_folder_of,
     numbers,
     output_file,
     print_json,
@@ -88,10 +89,7 @@ def localize(
         if begin is not None:
             check_pose(loaded.grid.geometry, begin)
     if out is not None:
-        try:
-            out.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            fail(f"{out}: the file cannot be written: {error.strerror}.")
+        make_folder_of(out)
     scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), mapping)
     with progress_bar("Localizing") as bar:
         try:
@@ -180,9 +178,9 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
         config, notes = read.config, [*read.notes]
         if read.ignored:
             notes.append(f"Of the parameters, these say nothing about where the robot is: {', '.join(read.ignored)}.")
-    given = set_values({row.name: row for row in PARAMETERS}, values)
+    typed = set_values({row.name: row for row in PARAMETERS}, values)
     try:
-        return config.with_values(given), notes
+        return config.with_values(typed), notes
     except MapperError as error:
         fail(error.message)
 

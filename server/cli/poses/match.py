@@ -100,15 +100,15 @@ def match(
         log = read_log(path, topic, tum_trajectory if path == base.path else None, tf)
         return with_corrections(path, log, mapping)
 
-    wanted: dict[str, object] = {}
+    options: dict[str, object] = {}
     if method is not None:
-        wanted["method"] = method.replace("-", "_")
+        options["method"] = method.replace("-", "_")
     if window is not None:
         pair = numbers("--window", "two numbers, M,RAD in metres and radians", 2, window)
-        wanted |= zip(("window_m", "window_rad"), pair, strict=True)
+        options |= zip(("window_m", "window_rad"), pair, strict=True)
     begin = None if guess is None else numbers("--guess", "three numbers, X,Y,YAW in metres and radians", 3, guess)
     try:
-        config = (MAP_CONFIG if is_map else MatchConfig()).with_values(wanted)
+        config = (MAP_CONFIG if is_map else MatchConfig()).with_values(options)
     except MapperError as error:
         fail(error.message)
     began = time.process_time()

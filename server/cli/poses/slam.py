@@ -159,9 +159,9 @@ def _figure_lines(before: MapFigures | None, after: MapFigures) -> list[str]:
 
 def _configured(values: list[str]) -> SlamConfig:
     """Return the parameters with those given as NAME=VALUE replaced, or end the command with an error."""
-    given = set_values({row.name: row for row in SLAM_PARAMETERS}, values)
+    typed = set_values({row.name: row for row in SLAM_PARAMETERS}, values)
     try:
-        return SlamConfig().with_values(given)
+        return SlamConfig().with_values(typed)
     except MapperError as error:
         fail(error.message)
 

@@ -71,12 +71,12 @@ def notes(
     ] = Path("notes.geojson"),
 ) -> None:
     """Write the notes on a log of a service as GeoJSON or CSV, in metres of the frame of its poses."""
-    wanted = NOTE_FILES.get(out.suffix.lower())
-    if wanted is None:
+    kind = NOTE_FILES.get(out.suffix.lower())
+    if kind is None:
         fail(f"{out}: notes are written as .geojson, .json or .csv.")
     try:
         with Client(address, visitors=Settings().data_dir / "visitors.json") as client, client.at(address) as server:
-            data = client.notes(server, wanted)
+            data = client.notes(server, kind)
     except MapperError as error:
         fail(error.message)
     with output_file(out) as file:

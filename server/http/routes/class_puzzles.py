@@ -38,12 +38,12 @@ async def give(
     puzzles: AllPuzzles,
     visitor: Visitor,
     code: str,
-    given: PuzzleOfClass,
+    body: PuzzleOfClass,
 ) -> None:
     """Have the class solve a puzzle."""
     room = owned_class(brake, classes, code, request, visitor)
     known = {puzzle.name: puzzle.title for puzzle in puzzles.offered()}
-    room.give_puzzle(given.puzzle, known.get(given.puzzle) or library.puzzles.get(given.puzzle).title)
+    room.give_puzzle(body.puzzle, known.get(body.puzzle) or library.puzzles.get(body.puzzle).title)
 
 
 @router.delete("/{code}/puzzle", status_code=204)

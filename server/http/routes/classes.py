@@ -274,14 +274,16 @@ async def fork(
             raise SessionBudgetError("class.copies", "You have too many copies of this world: wait a moment.")
         plan = await _copy(session, settings.max_story_s)
         address, places = client_address(request), places_of(settings)
-        made = await sessions.begin(plan, visitor, link=link, address=address, places=places, place=session.place)
+        session_of_class = await sessions.begin(
+            plan, visitor, link=link, address=address, places=places, place=session.place
+        )
         for class_ in earlier:  # not before there is another one
             with suppress(SessionNotFoundError):
                 await sessions.close(class_.id)
-        return made
+        return session_of_class
 
-    made = await while_connected(request, begun())
-    return created(response, made)
+    session_of_class = await while_connected(request, begun())
+    return created(response, session_of_class)
 
 
 async def _copy(session: SessionHost, max_story_s: float) -> Plan:

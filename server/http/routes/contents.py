@@ -267,10 +267,10 @@ async def picture(
     owner = owner_of(sessions, library, session_id)
     address = client_address(request)
     making = library.picture(owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=address)
-    made = await while_connected(request, making)
-    seconds = held.seconds(made.stamp_ns - ahead_ns)
+    moment_picture = await while_connected(request, making)
+    seconds = held.seconds(moment_picture.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
-    return Response(made.data, media_type=made.media_type, headers=headers)
+    return Response(moment_picture.data, media_type=moment_picture.media_type, headers=headers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -525,8 +525,8 @@ async def frame_age(
 ) -> Response:
     """Return the age of a transform that moves over the time of the log, seconds: it grows until the next one comes."""
     held = await look_into(request, sessions, library, visitor, session_id)
-    wanted = (tf, parent, child)
-    edge = next((edge for edge in held.contents.edges if (edge.topic, edge.parent, edge.child) == wanted), None)
+    key = (tf, parent, child)
+    edge = next((edge for edge in held.contents.edges if (edge.topic, edge.parent, edge.child) == key), None)
     if edge is None or edge.is_static:
         raise MapperError("contents.no_edge", f"No transforms from {child!r} to {parent!r} move on {tf!r:.200}.")
     until_ns = int(held.recording.log.stamps_ns.max(initial=held.origin_ns))

@@ -37,9 +37,9 @@ class FleetOptions(BaseModel, extra="forbid"):
     def checked(self) -> fleet_jobs.FleetRequest:
         """Return the request of the jobs. Raises :class:`mapper.core.errors.ConfigError`, naming the parameter."""
         values = self.model_dump(exclude={"topic", "tf", "trajectory"})
-        given = {name: value for name, value in values.items() if value}
-        MappingConfig().with_values(given)
-        return fleet_jobs.FleetRequest(self.topic, self.tf, self.trajectory, given)
+        mapping = {name: value for name, value in values.items() if value}
+        MappingConfig().with_values(mapping)
+        return fleet_jobs.FleetRequest(self.topic, self.tf, self.trajectory, mapping)
 
 
 class FleetRequest(BaseModel, extra="forbid"):
@@ -80,11 +80,11 @@ async def state(
 
 
 @router.post("", status_code=202)
-async def begin(library: Logs, visitor: Visitor, wanted: FleetRequest) -> QueuedLogs:
+async def begin(library: Logs, visitor: Visitor, body: FleetRequest) -> QueuedLogs:
     """Queue all logs that were not mapped yet. Each is mapped once, for all who may open it; return how many."""
     await library.list(visitor)
-    request = None if wanted.options is None else wanted.options.checked()
-    return QueuedLogs(await library.fleet.begin(_logs(library, visitor), again=wanted.again, request=request))
+    request = None if body.options is None else body.options.checked()
+    return QueuedLogs(await library.fleet.begin(_logs(library, visitor), again=body.again, request=request))
 
 
 @router.delete("", status_code=204)

@@ -183,23 +183,23 @@ class LinkList:
 
 def _public(sessions: SessionRegistry, link: Link) -> LinkAnswer:
     """Return what the owner of a link sees of it."""
-    kept = KeptView.model_validate_json(link.view)
+    view = KeptView.model_validate_json(link.view)
     return LinkAnswer(
         token=link.token,
         address=f"/shared/{link.token}",
         created_s=link.created_s,
         log=link.log_id,
-        topic=kept.view.topic,
-        trajectory=kept.view.trajectory,
-        index=kept.view.index,
-        count=kept.count,
-        changed=kept.changed,
+        topic=view.view.topic,
+        trajectory=view.view.trajectory,
+        index=view.view.index,
+        count=view.count,
+        changed=view.changed,
         watching=sum(session.link == link.token for session in sessions.all()),
     )
 
 
 @router.post("/api/sessions/{session_id}/links", status_code=201)
-async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLink) -> LinkAnswer:
+async def make(sessions: Sessions, library: Logs, session_id: str, body: NewLink) -> LinkAnswer:
     """Make a read-only link to what a session of a log, or of recorded costmaps, shows now.
 
     It is valid until it is revoked, and belongs to the visitor who began the session.
@@ -215,16 +215,16 @@ async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLi
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     async with session.locked():
         navigation: list[object] = [fields_of(command) for command in model.history()]
-    kept = KeptView(
+    view = KeptView(
         view=seen,
-        look=wanted.look,
-        shown=wanted.shown,
+        look=body.look,
+        shown=body.shown,
         examination=examination,
         count=model.progress[1],
         changed=changed,
         navigation=navigation,
     )
-    return _public(sessions, await library.links.make(session.owner, record, kept.model_dump_json()))
+    return _public(sessions, await library.links.make(session.owner, record, view.model_dump_json()))
 
 
 @router.get("/api/links")
@@ -278,8 +278,8 @@ class SharedAnswer:
 async def shared(library: Logs, token: str) -> SharedAnswer:
     """Return the title and the view of a link."""
     link = library.links.get(token)
-    kept = KeptView.model_validate_json(link.view)
-    return SharedAnswer(_record_name(library, link), kept.look, kept.shown, kept.examination)
+    view = KeptView.model_validate_json(link.view)
+    return SharedAnswer(_record_name(library, link), view.look, view.shown, view.examination)
 
 
 @router.post("/api/shared/{token}/sessions", status_code=201)
@@ -304,10 +304,10 @@ async def begin(
 ) -> SessionAnswer:
     """Begin a session of the view of a link, or of the point clouds of its log."""
     link = library.links.get(token)
-    kept = KeptView.model_validate_json(link.view)
+    kept_view = KeptView.model_validate_json(link.view)
 
     async def begun() -> SessionHost:
-        view = kept.view
+        view = kept_view.view
         title = _record_name(library, link)
         with sessions.under_way.making(visitor, name) as making:
             making.watched = lambda: library.opening(link.log_id)
@@ -322,7 +322,7 @@ async def begin(
                 plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
             else:
                 plan = costmaps_plan(costmaps, log_id=link.log_id, title=title, view=view, playing=False, name=name)
-        commands = [] if clouds else await _navigation(library, downloads, link, kept.navigation)
+        commands = [] if clouds else await _navigation(library, downloads, link, kept_view.navigation)
         session = await sessions.begin(
             plan, visitor, link=token, address=client_address(request), place=chosen_place(request)
         )

@@ -18,7 +18,7 @@ from server.http.file_answer import FILE_BODY, file_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library.annotations.tags import MAX_TAGS
 from server.library.logs.examples import FILES, ExampleName, example_bytes
-from server.library.logs.listing import Order, Wanted, listed
+from server.library.logs.listing import LogQuery, Order, listed
 from server.library.logs.records import LogAnswer, Record
 from server.library.uploads.receiver import Part
 
@@ -136,8 +136,8 @@ async def list_logs(
 
     ``total`` is the number of logs that were found; ``tags`` are this visitor's, with the number of logs of each.
     """
-    wanted = Wanted(q, tuple(tag or ()), order, offset, limit)
-    listing = listed(await library.list(visitor), wanted)
+    selection = LogQuery(q, tuple(tag or ()), order, offset, limit)
+    listing = listed(await library.list(visitor), selection)
     return LogList([record.public() for record in listing.records], listing.total, dict(listing.tags))
 
 
@@ -164,9 +164,9 @@ class TagsOfLog(BaseModel, extra="forbid"):
 
 
 @router.put("/{log_id}/tags")
-async def put_tags(library: Logs, visitor: Visitor, log_id: str, wanted: TagsOfLog) -> LogAnswer:
+async def put_tags(library: Logs, visitor: Visitor, log_id: str, body: TagsOfLog) -> LogAnswer:
     """Give a log these tags, in the place of those that this visitor has given it."""
-    await library.tags.put(visitor, library.get(visitor, log_id), wanted.tags)
+    await library.tags.put(visitor, library.get(visitor, log_id), body.tags)
     return library.get(visitor, log_id).public()
 
 

@@ -81,11 +81,11 @@ class SharedPuzzle:
     title: str
 
 
-def _public(made: MadePuzzle) -> MadePuzzleAnswer:
+def _public(puzzle: MadePuzzle) -> MadePuzzleAnswer:
     from server.puzzles.spec import spec_from_text  # noqa: PLC0415 - imported with the first puzzle
 
-    cause = spec_from_text(made.spec).cause
-    return MadePuzzleAnswer(made.token, f"/puzzle/{made.token}", made.title, made.created_s, cause)
+    cause = spec_from_text(puzzle.spec).cause
+    return MadePuzzleAnswer(puzzle.token, f"/puzzle/{puzzle.token}", puzzle.title, puzzle.created_s, cause)
 
 
 # -- which there are, and those that a visitor makes ---------------------------------------------------------------
@@ -95,7 +95,7 @@ def _public(made: MadePuzzle) -> MadePuzzleAnswer:
 async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> PuzzleList:
     """Return the puzzles that come with the program, the faults that can be added, and this visitor's own puzzles."""
     await imported("server.puzzles.spec")
-    return PuzzleList(puzzles.offered(), puzzles.faults(), [_public(made) for made in library.puzzles.of(visitor)])
+    return PuzzleList(puzzles.offered(), puzzles.faults(), [_public(puzzle) for puzzle in library.puzzles.of(visitor)])
 
 
 @router.get("/api/puzzles/{puzzle}/map.png", **file_answer("image/png"))
@@ -113,7 +113,7 @@ async def picture(puzzle: str, *, dark: bool = False) -> Response:
 
 @router.post("/api/sessions/{session_id}/puzzles", status_code=201)
 async def make(
-    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: NewPuzzle
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, body: NewPuzzle
 ) -> MadePuzzleAnswer:
     """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
     await imported("server.puzzles.spec")
@@ -130,15 +130,15 @@ async def make(
             raise MapperError("session.not_yours", "A puzzle is made by the visitor who began the session.")
         history = await replayable.present_history()
         cone = history.sensor.get("kind") == "sonar_ring"
-        text, record = spec_text(spec_of_world(history, wanted.fault, seed, cone=cone)), None
+        text, record = spec_text(spec_of_world(history, body.fault, seed, cone=cone)), None
     else:
         of_log = writable_session(sessions, session_id)
         record = library.get(of_log.owner, of_log.log_id)
         recording, seen = of_log.recording, of_log.recording.view()
         first = recording.first_config()
         values = changed_values(first.with_values(seen.values or {}), first)
-        text = spec_text(spec_of_log(seen, values, wanted.fault, seed, cone=recording.log.beam_width > 0.0))
-    title = wanted.title.strip() or session.model.title
+        text = spec_text(spec_of_log(seen, values, body.fault, seed, cone=recording.log.beam_width > 0.0))
+    title = body.title.strip() or session.model.title
     return _public(await library.puzzles.make(session.owner, record, title, text))
 
 
@@ -184,16 +184,16 @@ async def begin_puzzle(
         recipe = RECIPES[key]
         source, title, story, level = puzzles.recipe(key), recipe.title, recipe.story, recipe.level
     else:
-        made = library.puzzles.get(key)
-        title, story, level, spec = made.title, "", 0, spec_from_text(made.spec)
+        puzzle = library.puzzles.get(key)
+        title, story, level, spec = puzzle.title, "", 0, spec_from_text(puzzle.spec)
         if isinstance(spec, WorldSpec):
             source = WorldSource(spec)
         else:
-            if made.log_id is None:
+            if puzzle.log_id is None:
                 raise PuzzleGoneError("puzzle.gone", "The log of this puzzle no longer exists.")
             view = spec.view
             cut = PlanarCut.of(view.cut or {})
-            source = LogSource(spec, await library.load(made.owner, made.log_id, view.topic, cut))
+            source = LogSource(spec, await library.load(puzzle.owner, puzzle.log_id, view.topic, cut))
     plan = puzzles.plan(key, source, title, name)
 
     async def begun() -> SessionHost:
@@ -268,10 +268,10 @@ async def attempt(puzzles: AllPuzzles, session_id: str) -> Attempt:
 
 @router.post("/api/sessions/{session_id}/puzzle/answer")
 @guests_may(GuestRight.LINKED_SESSION)
-async def answer(puzzles: AllPuzzles, session_id: str, given: AttemptAnswer) -> Attempt:
+async def answer(puzzles: AllPuzzles, session_id: str, body: AttemptAnswer) -> Attempt:
     """Name the cause; answer as GET does."""
     game = puzzles.game(session_id)
-    game.answer(given.cause)
+    game.answer(body.cause)
     return game.public()
 
 

@@ -98,15 +98,15 @@ async def settings(sessions: Sessions, scenes: OpenScenes, visitor: Visitor, ses
 @router.post("/{session_id}/settings")
 @guests_may(GuestRight.LINKED_SESSION)
 async def change(
-    sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str, wanted: SceneSettings
+    sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str, body: SceneSettings
 ) -> SceneAnswer:
     """Move the cameras of this visitor's views; set height and layers of all views of the session."""
     scene = await scenes.get(sessions.get(session_id))
-    if wanted.camera is not None:
-        scene.aim(visitor, wanted.camera)
-    if wanted.height is not None:
-        await scene.set_height(wanted.height)
-    for label, visible in wanted.layers.items():
+    if body.camera is not None:
+        scene.aim(visitor, body.camera)
+    if body.height is not None:
+        await scene.set_height(body.height)
+    for label, visible in body.layers.items():
         scene.set_layer(label, visible=visible)
     return _settings(scene, visitor)
 

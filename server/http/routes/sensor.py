@@ -47,7 +47,7 @@ async def use(
     sessions: Sessions,
     visitor: Visitor,
     session_id: str,
-    wanted: NewSensor,
+    body: NewSensor,
     name: Annotated[
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
     ] = None,
@@ -57,15 +57,15 @@ async def use(
     The recording may be read for it, which ends if the client disconnects.
     """
     of_log = writable_session(sessions, session_id)
-    view = LogView(wanted.topic, cut=wanted.cut)
+    view = LogView(body.topic, cut=body.cut)
     cut = view.planar_cut
 
     async def read() -> None:
         with sessions.under_way.making(visitor, name) as making:
             making.watched = lambda: library.opening(of_log.log_id)
-            log = await library.load(of_log.owner, of_log.log_id, wanted.topic, cut)
+            log = await library.load(of_log.owner, of_log.log_id, body.topic, cut)
             await sessions.free_bytes(log, of_log.owner)
             of_log.session.enqueue(UseSensor(log, view))
 
     await while_connected(request, read())
-    return SensorAnswer(wanted.topic, cut.values)
+    return SensorAnswer(body.topic, cut.values)

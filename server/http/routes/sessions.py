@@ -120,20 +120,20 @@ def creating(kinds: Mapping[str, Kind]) -> APIRouter:
     async def create(
         request: Request,
         response: Response,
-        wanted: SessionRequest,
+        body: SessionRequest,
         sessions: Sessions,
         library: Logs,
         visitor: Visitor,
     ) -> SessionAnswer:
         """Begin a session. If the client disconnects, the work is cancelled."""
         where = {"address": client_address(request), "place": chosen_place(request)}
-        work = sessions.create(kinds[wanted.kind], wanted, visitor, library, **where)
+        work = sessions.create(kinds[body.kind], body, visitor, library, **where)
         session = await while_connected(request, work)
         join_jobs(library, sessions, session)
         return created(response, session)
 
-    body = reduce(or_, (kind.request for kind in kinds.values()))
-    create.__annotations__["wanted"] = Annotated[body, Body(discriminator="kind")]
+    requests = reduce(or_, (kind.request for kind in kinds.values()))
+    create.__annotations__["body"] = Annotated[requests, Body(discriminator="kind")]
     router.post("/sessions", status_code=201)(create)
     return router
 

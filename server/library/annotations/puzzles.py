@@ -77,10 +77,10 @@ class MadePuzzles:
 
     def get(self, token: str) -> MadePuzzle:
         """Return a puzzle. Raises :class:`PuzzleGoneError`."""
-        made = self._made.get(token)
-        if made is None:
+        puzzle = self._made.get(token)
+        if puzzle is None:
             raise PuzzleGoneError("puzzle.gone", "There is no such puzzle; it may have been removed.")
-        return made
+        return puzzle
 
     def of(self, owner: str) -> Sequence[MadePuzzle]:
         """Return the puzzles of ``owner``, the newest first."""

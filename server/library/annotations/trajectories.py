@@ -216,8 +216,8 @@ class Trajectories:
     ) -> Added:
         """Replace a trajectory after its graph was changed by hand. Raises as :meth:`get` and :meth:`put`."""
         known = self.get(owner, record.id, name)
-        said = known.description.removesuffix(BY_HAND) + BY_HAND
-        added, _ = await self.put(owner, record, log, NewTrajectory(name, text, known.source, said, graph))
+        description = known.description.removesuffix(BY_HAND) + BY_HAND
+        added, _ = await self.put(owner, record, log, NewTrajectory(name, text, known.source, description, graph))
         return added
 
     async def delete(self, owner: str, log_id: str, name: str) -> None:
@@ -286,10 +286,10 @@ class Trajectories:
 
     async def _at_scans(self, added: Added, log: ScanLog) -> Trajectory | None:
         key = (added.id, id(log.stamps_ns))
-        kept = self._joined.get(key)
-        if kept is not None:
+        joined = self._joined.get(key)
+        if joined is not None:
             self._joined.move_to_end(key)
-            return kept[1]
+            return joined[1]
         trajectory: Trajectory | None = None
         try:
             async with self._reading.of(added.owner), self._files.file(f"{added.id}.tum") as path:

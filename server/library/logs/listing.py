@@ -14,7 +14,7 @@ Order = Literal["newest", "name", "duration", "scans", "size"]
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class LogQuery:
     """``words`` all occur in the name, the format, a topic or a tag of a log; ``tags`` are all given to it.
 
     Of the logs in this ``order``, ``limit`` from ``offset`` on; None for all.
@@ -44,16 +44,16 @@ _KEYS: dict[Order, Callable[[Record], Any]] = {
 }
 
 
-def listed(records: Sequence[Record], wanted: Wanted) -> Listing:
+def listed(records: Sequence[Record], selection: LogQuery) -> Listing:
     """Return the page of ``records``, which are in the order "newest". Tags are counted over all records."""
-    words = wanted.words.casefold().split()
-    matching = [record for record in records if set(wanted.tags) <= set(record.tags) and _has(record, words)]
-    key = _KEYS.get(wanted.order)
+    words = selection.words.casefold().split()
+    matching = [record for record in records if set(selection.tags) <= set(record.tags) and _has(record, words)]
+    key = _KEYS.get(selection.order)
     if key is not None:
         matching.sort(key=key)
-    end = None if wanted.limit is None else wanted.offset + wanted.limit
+    end = None if selection.limit is None else selection.offset + selection.limit
     tags = Counter(tag for record in records for tag in record.tags)
-    return Listing(matching[wanted.offset : end], len(matching), dict(sorted(tags.items())))
+    return Listing(matching[selection.offset : end], len(matching), dict(sorted(tags.items())))
 
 
 def _has(record: Record, words: Sequence[str]) -> bool:

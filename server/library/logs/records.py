@@ -188,8 +188,8 @@ def display_name(name: str) -> str:
     a name of which nothing is left becomes "log". It is never used as a path.
     """
     last = name.replace("\\", "/").rstrip("/").rsplit("/", 1)[-1]
-    kept = "".join(" " if c.isspace() else c for c in last if c.isspace() or unicodedata.category(c)[0] != "C")
-    clean = " ".join(kept.split()).strip(". ")
+    printable = "".join(" " if c.isspace() else c for c in last if c.isspace() or unicodedata.category(c)[0] != "C")
+    clean = " ".join(printable.split()).strip(". ")
     if len(clean) > MAX_NAME:
         clean = clean[: MAX_NAME - 1].rstrip() + "…"
     return clean or "log"

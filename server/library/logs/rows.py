@@ -40,8 +40,8 @@ class LogRows:
 
     def get(self, record_ids: Collection[str]) -> asyncio.Future[Sequence[Record]]:
         """Return the records of these ids that there are."""
-        wanted = select(logs).where(logs.c.id.in_(record_ids))
-        return self._database.run(lambda connection: [_record(row) for row in connection.execute(wanted)])
+        query = select(logs).where(logs.c.id.in_(record_ids))
+        return self._database.run(lambda connection: [_record(row) for row in connection.execute(query)])
 
     def change(self, record: Record) -> asyncio.Future[None]:
         """Do what :meth:`writing` returns."""
@@ -53,8 +53,8 @@ class LogRows:
 
     def is_stored(self, sha256: str) -> asyncio.Future[bool]:
         """Return whether some record has these bytes."""
-        wanted = select(logs.c.id).where(logs.c.sha256 == sha256).limit(1)
-        return self._database.run(lambda connection: connection.execute(wanted).first() is not None)
+        query = select(logs.c.id).where(logs.c.sha256 == sha256).limit(1)
+        return self._database.run(lambda connection: connection.execute(query).first() is not None)
 
     def delete(self, record_id: str) -> asyncio.Future[None]:
         """Forget a record; one that is not there is no error."""

@@ -42,9 +42,9 @@ class Sample:
 
     async def load(self) -> ScanLog:
         """Return the sample; it is made again if the cache has dropped it."""
-        kept = self._cache.get(SAMPLE_ID)
-        if kept is not None:
-            return kept
+        log = self._cache.get(SAMPLE_ID)
+        if log is not None:
+            return log
         if self._job is None:
             self._job = asyncio.create_task(self._make())
         return await asyncio.shield(self._job)

@@ -30,14 +30,14 @@ def write_costmap_pack(streams: Mapping[str, CostmapStream], path: Path) -> None
     """Write the costmaps to ``path`` atomically."""
     items = []
     for topic, stream in streams.items():
-        for kept in stream.kept:
-            fields = asdict(kept)
-            geometry = kept.geometry
-            fields |= {"packed": len(kept.packed), "topic": topic}
+        for costmap in stream.kept:
+            fields = asdict(costmap)
+            geometry = costmap.geometry
+            fields |= {"packed": len(costmap.packed), "topic": topic}
             fields["geometry"] = [geometry.resolution, geometry.rows, geometry.cols, list(geometry.origin)]
             items.append(fields)
     about = {"version": VERSION, "kind": _KIND, "items": items}
-    data = b"".join(kept.packed for stream in streams.values() for kept in stream.kept)
+    data = b"".join(costmap.packed for stream in streams.values() for costmap in stream.kept)
     write_arrays(path, json.dumps(about), {"costs": np.frombuffer(data, dtype=np.uint8)})
 
 

@@ -54,9 +54,9 @@ class FilterStates:
 def thinned(clouds: list[NDArray[np.float32]]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Return offsets and rows of ``clouds``, each k-th row where there are more than :data:`MOST_ROWS`."""
     step = max(1, -(-sum(map(len, clouds)) // MOST_ROWS))
-    kept = [cloud[::step] for cloud in clouds]
-    offsets = np.concatenate([[0], np.cumsum([len(cloud) for cloud in kept])]).astype(np.int64)
-    return offsets, np.concatenate(kept) if kept else np.empty((0, 3), dtype=np.float32)
+    samples = [cloud[::step] for cloud in clouds]
+    offsets = np.concatenate([[0], np.cumsum([len(cloud) for cloud in samples])]).astype(np.int64)
+    return offsets, np.concatenate(samples) if samples else np.empty((0, 3), dtype=np.float32)
 
 
 def filter_states_bytes(states: FilterStates) -> bytes:

@@ -13,19 +13,19 @@ from server.library.packs.reference_map import ReferenceMap
 FORMAT = "map"
 
 
-def summarise_map(given: ReferenceMap) -> LogSummary:
+def summarise_map(reference: ReferenceMap) -> LogSummary:
     """Return the figures of a map: a record without scans."""
-    geometry = given.geometry
+    geometry = reference.geometry
     return replace(
         NO_SCANS,
-        name=given.title,
+        name=reference.title,
         format=FORMAT,
-        notes=given.notes,
+        notes=reference.notes,
         map=MapSummary(geometry.rows, geometry.cols, geometry.resolution),
     )
 
 
-def map_codes(given: ReferenceMap) -> UInt8Array:
+def map_codes(reference: ReferenceMap) -> UInt8Array:
     """Return the codes of a picture of a map, for its card."""
-    values = given.values
+    values = reference.values
     return cells_overview((values >= 0) & (values < 100 * FREE_THRESHOLD), values > 100 * OCCUPIED_THRESHOLD)

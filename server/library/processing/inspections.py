@@ -6,13 +6,12 @@ It has a process of its own: to look into a log does not wait for the reading of
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from mapper.io.contents.model import Contents
 from server.jobs import process
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.packs.contents import StaleContentsError, read_contents, write_contents
@@ -21,44 +20,33 @@ from server.library.processing.reading_jobs import unstored
 
 
 @dataclass(frozen=True, slots=True)
-class InspectJob(BoundedJob):
+class InspectJob(BoundedJob[None]):
     """Find out what the recording ``source`` holds, and write it to ``target``."""
+
+    BACKGROUND = True
 
     source: str
     target: str
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
+    limits: JobLimits
 
-    @property
-    def work(self) -> Callable[[InspectJob], None]:
-        """The function that does it."""
-        return inspect_job
+    def compute(self) -> None:
+        """Find it out. Raises :class:`ReadError` or :class:`LimitError`."""
+        from mapper.io.contents.inspection import inspect  # noqa: PLC0415 - only the process that reads needs the readers
 
-
-def inspect_job(job: InspectJob) -> None:
-    """Do the job. Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes."""
-    process.lower_priority()  # the map, which is made at the same time, goes first
-    job.bounded(lambda: _inspect(job))
-
-
-def _inspect(job: InspectJob) -> None:
-    from mapper.io.contents.inspection import inspect  # noqa: PLC0415 - only the process that reads needs the readers
-
-    contents = inspect(Path(job.source), progress=process.note_progress)
-    try:
-        write_contents(contents, Path(job.target))
-    except OSError:
-        raise unstored() from None
+        contents = inspect(Path(self.source), progress=process.note_progress)
+        try:
+            write_contents(contents, Path(self.target))
+        except OSError:
+            raise unstored() from None
 
 
 class Inspections:
     """The contents of the catalogue's logs. Used from the event loop only."""
 
-    def __init__(self, catalogue: Catalogue, *, timeout_s: float, cpu_s: float, memory_bytes: int) -> None:
+    def __init__(self, catalogue: Catalogue, limits: JobLimits) -> None:
         self._catalogue = catalogue
-        self._limits = (timeout_s, cpu_s, memory_bytes)
-        self.lookups: Lookups[Contents] = Lookups(catalogue, memory_bytes)
+        self._limits = limits
+        self.lookups: Lookups[Contents] = Lookups(catalogue, limits.memory_bytes)
 
     async def contents(self, record: Record, visitor: str, *, address: str = "") -> Contents | float:
         """Return what a log's recording holds; where that is not known yet begin to find out, and return how far it is.
@@ -71,7 +59,7 @@ class Inspections:
             record,
             visitor,
             address,
-            lambda source: InspectJob(source, str(path), *self._limits),
+            lambda source: InspectJob(source, str(path), self._limits),
             lambda: asyncio.to_thread(_stored, path),
         )
 

@@ -29,9 +29,9 @@ class JobRowsOfLogs:
         self, kind: JobKind[Q, R], log_ids: Collection[str] | None = None
     ) -> asyncio.Future[Sequence[JobRecord[Q, R]]]:
         """Return the records of a kind, oldest first; those of some logs, None: all."""
-        wanted = select(jobs).where(jobs.c.kind == kind.name).order_by(jobs.c.created_s)
+        query = select(jobs).where(jobs.c.kind == kind.name).order_by(jobs.c.created_s)
         if log_ids is not None:
-            wanted = wanted.where(jobs.c.log_id.in_(log_ids))
+            query = query.where(jobs.c.log_id.in_(log_ids))
 
         def work(connection: Connection) -> Sequence[JobRecord[Q, R]]:
             return [
@@ -45,7 +45,7 @@ class JobRowsOfLogs:
                     error=None if row.error_code is None else Failure(row.error_code, row.error_message or ""),
                     result=None if row.result is None else msgspec.json.decode(row.result, type=kind.result),
                 )
-                for row in connection.execute(wanted)
+                for row in connection.execute(query)
             ]
 
         return self._database.run(work)

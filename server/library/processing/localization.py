@@ -9,8 +9,6 @@ from __future__ import annotations
 import asyncio
 import shutil
 import time
-import zipfile
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,20 +17,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper import localization
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import changed_values
 from mapper.io import export
 from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.scan import Trajectory
 from server.jobs import process
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.filter_states import FilterStates, filter_states_bytes, thinned
 from server.library.packs.log import log_in
 from server.library.packs.reference_map import read_reference_map
-from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
+from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run, read_report, write_report
 from server.library.processing.reference_maps import ReferenceMaps
 
 if TYPE_CHECKING:
@@ -43,38 +40,7 @@ MOST_SHOWN = 2000  #: particles of a report
 KEPT_OF_SCAN = 250  #: particles of a scan in the file
 
 #: Endings of the files, after the job's ``out``.
-PROGRESS, TUM, FILTER_STATES = ".progress", ".tum", ".course"
-
-_NUMBERS = ("fraction", "is_converged", "is_sure", "share", "fit", "entropy", "n_particles", "n_updates")
-
-
-@dataclass(frozen=True, slots=True)
-class LocalizeJob(BoundedJob):
-    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
-
-    ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
-    ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
-    and time offset are used.
-    """
-
-    DOING = "Localizing this log"
-    CODE = "localization"
-
-    pack: str
-    given: str
-    out: str
-    trajectory: str | None
-    initial_pose: tuple[float, float, float] | None
-    parameters: Parameters
-    mapping: Parameters
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
-
-    @property
-    def work(self) -> Callable[[LocalizeJob], LocalizeOutcome]:
-        """The function that does it."""
-        return do_localize_job
+TUM, FILTER_STATES = ".tum", ".course"
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +62,63 @@ class LocalizeOutcome:
     sure: int = 0
     is_sure: bool = False
     left_out: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizeJob(BoundedJob[LocalizeOutcome]):
+    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
+
+    ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
+    ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
+    and time offset are used.
+    """
+
+    BACKGROUND = True
+    DOING = "Localizing this log"
+    CODE = "localization"
+
+    pack: str
+    given: str
+    out: str
+    trajectory: str | None
+    initial_pose: tuple[float, float, float] | None
+    parameters: Parameters
+    mapping: Parameters
+    limits: JobLimits
+
+    def compute(self) -> LocalizeOutcome:
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used."""
+        from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415
+        from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
+
+        log = log_in(self.pack)
+        reference = read_reference_map(Path(self.given))
+        grid = grid_of_values(reference.geometry, reference.values)
+        watch = _Watch(self.out, log.n_scans)
+        localized = localization.localize_log(
+            as_mapped(log, MappingConfig().with_values(self.mapping)),
+            grid,
+            localization.LocalizationConfig().with_values(self.parameters),
+            trajectory=self.trajectory,
+            initial_pose=self.initial_pose,
+            watch=watch,
+        )
+        offsets, particles = thinned(watch.clouds)
+        states = FilterStates(
+            localized.covariance, localized.is_converged, localized.is_sure, localized.is_updated, localized.share,
+            localized.fit, localized.entropy, localized.n_particles, offsets, particles, reference,
+        )  # fmt: skip
+        log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(localized.poses, from_scans=True)})
+        Path(self.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
+        Path(self.out + TUM).write_text(export.tum_text(log, LOCALIZED), encoding="ascii")
+        process.note_progress(1.0)
+        used = localized.fit[localized.is_updated]
+        return LocalizeOutcome(
+            reference.title, localized.odometry, localized.first_converged,
+            int(localized.is_converged.sum()), bool(localized.is_converged[-1]),
+            len(used), float(np.median(used)) if len(used) else 0.0, localized.cpu_seconds,
+            int(localized.is_sure.sum()), bool(localized.is_sure[-1]), int((~localized.is_known).sum()),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,46 +149,6 @@ class LocalizeProgress:
         return "localization"
 
 
-def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:
-    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used, and limits."""
-    process.lower_priority()
-    return job.bounded(lambda: _localize(job))
-
-
-def _localize(job: LocalizeJob) -> LocalizeOutcome:
-    from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415
-    from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
-
-    log = log_in(job.pack)
-    given = read_reference_map(Path(job.given))
-    grid = grid_of_values(given.geometry, given.values)
-    watch = _Watch(job.out, log.n_scans)
-    localized = localization.localize_log(
-        as_mapped(log, MappingConfig().with_values(job.mapping)),
-        grid,
-        localization.LocalizationConfig().with_values(job.parameters),
-        trajectory=job.trajectory,
-        initial_pose=job.initial_pose,
-        watch=watch,
-    )
-    offsets, particles = thinned(watch.clouds)
-    states = FilterStates(
-        localized.covariance, localized.is_converged, localized.is_sure, localized.is_updated, localized.share,
-        localized.fit, localized.entropy, localized.n_particles, offsets, particles, given,
-    )  # fmt: skip
-    log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(localized.poses, from_scans=True)})
-    Path(job.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
-    Path(job.out + TUM).write_text(export.tum_text(log, LOCALIZED), encoding="ascii")
-    process.note_progress(1.0)
-    used = localized.fit[localized.is_updated]
-    return LocalizeOutcome(
-        given.title, localized.odometry, localized.first_converged,
-        int(localized.is_converged.sum()), bool(localized.is_converged[-1]),
-        len(used), float(np.median(used)) if len(used) else 0.0, localized.cpu_seconds,
-        int(localized.is_sure.sum()), bool(localized.is_sure[-1]), int((~localized.is_known).sum()),
-    )  # fmt: skip
-
-
 @dataclass(slots=True)
 class _Watch:
     """Keeps a sample of the particles of each scan that is used, and reports every :data:`EVERY_S`."""
@@ -189,42 +172,16 @@ class _Watch:
             return
         self.written = now
         particles = _sample(np.column_stack([robot.particles, robot.weights / robot.weights.max()]), MOST_SHOWN)
-        numbers = [
+        newest = LocalizeProgress(
             fraction, estimate.is_converged, estimate.is_sure, estimate.share, estimate.fit, estimate.entropy,
-            estimate.n_particles, robot.n_updates,
-        ]  # fmt: skip
-        with atomic_write(Path(self.out + PROGRESS)) as file:
-            np.savez(
-                file, numbers=np.array(numbers, dtype=np.float64), covariance=estimate.covariance,
-                poses=np.stack(self.poses), converged=np.array(self.converged), particles=particles,
-            )  # fmt: skip
+            estimate.n_particles, robot.n_updates, estimate.covariance, np.stack(self.poses), np.array(self.converged),
+            particles,
+        )  # fmt: skip
+        write_report(self.out, newest)
 
 
 def _sample(rows: NDArray[np.float64], most: int) -> NDArray[np.float32]:
     return rows[:: max(1, -(-len(rows) // most))].astype(np.float32)
-
-
-def read_progress(out: Path) -> LocalizeProgress | None:
-    """Return what a running job has reported last; None before the first report."""
-    try:
-        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
-            numbers = dict(zip(_NUMBERS, arrays["numbers"].tolist(), strict=True))
-            return LocalizeProgress(
-                fraction=numbers["fraction"],
-                is_converged=bool(numbers["is_converged"]),
-                is_sure=bool(numbers["is_sure"]),
-                share=numbers["share"],
-                fit=numbers["fit"],
-                entropy=numbers["entropy"],
-                n_particles=int(numbers["n_particles"]),
-                n_updates=int(numbers["n_updates"]),
-                covariance=arrays["covariance"],
-                poses=arrays["poses"],
-                converged=arrays["converged"],
-                particles=arrays["particles"],
-            )
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        return None
 
 
 # -- the kind of jobs -------------------------------------------------------------------------------------------------
@@ -279,9 +236,9 @@ class LocalizationKind:
     def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs
         """Return a request with the values that differ from the first ones."""
         request.check()
-        wanted, first = request.parameters, localization.LocalizationConfig()
-        values = changed_values(first.with_values(wanted.values), first)
-        return replace(request, parameters=replace(wanted, values=values))
+        parameters, first = request.parameters, localization.LocalizationConfig()
+        values = changed_values(first.with_values(parameters.values), first)
+        return replace(request, parameters=replace(parameters, values=values))
 
     def others(self, request: LocalizationRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
         """Return no log: the map is a file of its own."""
@@ -311,28 +268,27 @@ class LocalizationKind:
 
         Raises :class:`ConfigError` where no map was chosen.
         """
-        wanted, limits = run.request, run.limits
-        log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
-        pack, given = await run.packed(log, "log.npz"), run.folder / "map.npz"
+        request = run.request
+        log = await run.load(run.log_id, request.topic, request.cut, request.trajectory)
+        pack, map_file = await run.packed(log, "log.npz"), run.folder / "map.npz"
         try:
-            await asyncio.to_thread(shutil.copyfile, await self._maps.newest(run.owner, run.log_id), given)
+            await asyncio.to_thread(shutil.copyfile, await self._maps.newest(run.owner, run.log_id), map_file)
         except FileNotFoundError:
             raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None
-        pose = wanted.parameters.initial_pose
+        pose, values = request.parameters.initial_pose, request.parameters.values
         job = LocalizeJob(
-            pack, str(given), str(run.out), wanted.trajectory, pose, wanted.parameters.values, wanted.mapping or {},
-            limits.timeout_s, limits.cpu_s, limits.memory_bytes,
-        )  # fmt: skip
-        outcome = await run.follow(job, read_progress)
+            pack, str(map_file), str(run.out), request.trajectory, pose, values, request.mapping or {}, run.limits
+        )
+        outcome = await run.follow(job, lambda out: read_report(out, LocalizeProgress))
         name = run.own_name(log, NAME, f"{NAME} in a map")
         first = outcome.first_converged
         when = "which never converged" if first is None else f"converged from scan {first + 1} on"
         if first is not None and not outcome.is_sure:
             when += ", not sure of the place at the end"
         start = "anywhere" if pose is None else "a given pose"
-        said = f"localized in {outcome.map_title} by the poses of {outcome.odometry}, from {start}, {when}"
+        description = f"localized in {outcome.map_title} by the poses of {outcome.odometry}, from {start}, {when}"
         text, states = await run.made(TUM), await run.made(FILTER_STATES)
-        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, filter_states=states))
+        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", description, filter_states=states))
         rounded = replace(outcome, cpu_s=round(outcome.cpu_s, 2), median_fit=round(outcome.median_fit, 4))
         return LocalizationResult(**asdict(rounded), trajectory=name)
 

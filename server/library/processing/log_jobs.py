@@ -10,10 +10,13 @@ import asyncio
 import secrets
 import shutil
 from collections.abc import AsyncIterator, Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
+import numpy as np
+
+from mapper.core.atomic_file import atomic_write
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import sensors_of
@@ -22,14 +25,18 @@ from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.jobs.leases import Leases
 from server.jobs.outcome import outcome_of
-from server.jobs.process import JobLimits, WorkerJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.queue import JobQueue, Running
 from server.jobs.record import JobKind, JobRecord, JobRows, JobStatus
 from server.jobs.workers import Worker
 from server.library.annotations.trajectories import NewTrajectory, Trajectories
 from server.library.logs.records import Record
+from server.library.packs.arrays import UNREADABLE
 from server.library.packs.log import write_pack
 from server.storage import StorageError, private_folder
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Parameters = dict[str, bool | int | float | str]
 """Values of parameters by their names: those that differ from the first values."""
@@ -91,12 +98,32 @@ class Report(Protocol):
         """What is done now."""
 
 
+PROGRESS = ".progress"  #: ending of the file of the report, after the job's ``out``
+
 Q = TypeVar("Q")
+D = TypeVar("D", bound="DataclassInstance")
 P = TypeVar("P", bound=Report)
 R = TypeVar("R")
 S_co = TypeVar("S_co", covariant=True)
 S = TypeVar("S")
 T = TypeVar("T")
+
+
+def write_report(out: str, report: DataclassInstance) -> None:
+    """Write the report of a running job, a dataclass of numbers, texts and arrays. Raises :class:`OSError`."""
+    arrays: dict[str, Any] = {row.name: np.asarray(getattr(report, row.name)) for row in fields(report)}
+    with atomic_write(Path(out + PROGRESS)) as file:
+        np.savez(file, **arrays)
+
+
+def read_report(out: Path, kind: type[D]) -> D | None:
+    """Return what a running job has reported last, a dataclass ``kind``; None before the first report."""
+    try:
+        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
+            values = {row.name: arrays[row.name] for row in fields(kind)}
+    except UNREADABLE:
+        return None
+    return kind(**{name: value if value.ndim else value.item() for name, value in values.items()})
 
 
 @dataclass(slots=True)
@@ -133,7 +160,7 @@ class Run(Generic[Q, P]):
         await asyncio.to_thread(packed, log, path)
         return str(path)
 
-    async def follow(self, job: WorkerJob[T], newest: Callable[[Path], P | None]) -> T:
+    async def follow(self, job: BoundedJob[T], newest: Callable[[Path], P | None]) -> T:
         """Do a job in the worker process, and tell how far it is.
 
         ``newest`` returns what it has reported last, from the files at a path.

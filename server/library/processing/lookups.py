@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from server.jobs.process import WorkerJob
+from server.jobs.process import BoundedJob
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.processing.recording_worker import RecordingWorker
@@ -40,7 +40,7 @@ class Lookups(Generic[T]):
         record: Record,
         visitor: str,
         address: str,
-        job: Callable[[str], WorkerJob[T | None]],
+        job: Callable[[str], BoundedJob[T | None]],
         stored: Callable[[], Awaitable[T | None]] | None = None,
     ) -> T | float:
         """Return the result for a key; where it is not known yet begin to find it out, and return how far that is.
@@ -50,13 +50,13 @@ class Lookups(Generic[T]):
         """
         running = self._running.get(key)
         if running is None:
-            kept = self._kept.get(key)
-            if kept is None and stored is not None:
-                kept = await stored()
-            if kept is None:
+            value = self._kept.get(key)
+            if value is None and stored is not None:
+                value = await stored()
+            if value is None:
                 return self._begin(key, record, visitor, address, job)
-            self._keep(key, kept)
-            return kept
+            self._keep(key, value)
+            return value
         if running.task.done():
             del self._running[key]
             running.timer.cancel()
@@ -80,7 +80,7 @@ class Lookups(Generic[T]):
             running.task.cancel()
 
     def _begin(
-        self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], WorkerJob[T | None]]
+        self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], BoundedJob[T | None]]
     ) -> float:
         if key not in self._running:
             task = asyncio.create_task(self._found(key, record, visitor, address, job))
@@ -98,9 +98,9 @@ class Lookups(Generic[T]):
         self._kept[key] = value
 
     async def _found(
-        self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], WorkerJob[T | None]]
+        self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], BoundedJob[T | None]]
     ) -> T | None:
-        def begun(source: str) -> WorkerJob[T | None]:
+        def begun(source: str) -> BoundedJob[T | None]:
             self._at_work = key
             return job(source)
 

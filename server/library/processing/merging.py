@@ -7,7 +7,7 @@ writes a TUM file for each.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.jobs import process
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
@@ -31,26 +31,6 @@ NAME = "merged"  #: of the trajectories
 ENDINGS = (".first.tum", ".second.tum")  #: of the files, after the job's ``out``
 BOTH, GRAPH = ".both.tum", ".graph"  #: the poses of the log of both, and the pose graph that they come from
 LOG, STAGE = ".mcap", ".stage"  #: the scans of both as one log; what is done now
-
-
-@dataclass(frozen=True, slots=True)
-class MergeJob(BoundedJob):
-    """Merge the logs in the packs ``first`` and ``second``. ``out`` is the path of its files without their endings."""
-
-    DOING = "Merging these logs"
-    CODE = "merge"
-
-    first: str
-    second: str
-    out: str
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
-
-    @property
-    def work(self) -> Callable[[MergeJob], MergeOutcome]:
-        """The function that does it."""
-        return do_merge_job
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,44 +49,52 @@ class MergeOutcome:
     note: str = ""
 
 
-def do_merge_job(job: MergeJob) -> MergeOutcome:
-    """Do the job. Raises :class:`mapper.core.errors.MapperError` for logs that do not show one place, and limits."""
-    process.lower_priority()
-    return job.bounded(lambda: _merge(job))
+@dataclass(frozen=True, slots=True)
+class MergeJob(BoundedJob[MergeOutcome]):
+    """Merge the logs in the packs ``first`` and ``second``. ``out`` is the path of its files without their endings."""
 
+    BACKGROUND = True
+    DOING = "Merging these logs"
+    CODE = "merge"
 
-def _merge(job: MergeJob) -> MergeOutcome:
-    from mapper.slam.merged_log import merged_log  # noqa: PLC0415
-    from server.library.packs.graph import graph_bytes  # noqa: PLC0415
+    first: str
+    second: str
+    out: str
+    limits: JobLimits
 
-    def begin(stage: str) -> None:
-        with atomic_write(Path(job.out + STAGE)) as file:
-            file.write(stage.encode())
+    def compute(self) -> MergeOutcome:
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for logs that do not show one place."""
+        from mapper.slam.merged_log import merged_log  # noqa: PLC0415
+        from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
-    newest = ""
+        def begin(stage: str) -> None:
+            with atomic_write(Path(self.out + STAGE)) as file:
+                file.write(stage.encode())
 
-    def report(progress: slam.MergeProgress) -> bool:
-        nonlocal newest
-        process.note_progress(0.97 * progress.fraction)
-        if progress.stage != newest:
-            newest = progress.stage
-            begin(newest)
-        return True
+        newest = ""
 
-    logs = log_in(job.first), log_in(job.second)
-    merged = slam.merge_logs(*logs, progress=report)
-    for log, poses, ending in zip(logs, merged.poses, ENDINGS, strict=True):
-        corrected = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
-        Path(job.out + ending).write_text(export.tum_text(corrected, NAME), encoding="ascii")
-    begin("writing")
-    both, note = merged_log(logs, merged.poses)
-    with Path(job.out + LOG).open("wb") as mcap:
-        export.write_mcap(mcap, both, trajectory=NAME)
-    Path(job.out + BOTH).write_text(export.tum_text(both, NAME), encoding="ascii")
-    Path(job.out + GRAPH).write_bytes(graph_bytes(*slam.merged_graph(logs, merged)))
-    process.note_progress(1.0)
-    topic = both.topic if isinstance(both, JointLog) else None
-    return MergeOutcome(len(merged.loops), len(merged.tried), merged.score, merged.cpu_seconds, topic, note)
+        def report(progress: slam.MergeProgress) -> bool:
+            nonlocal newest
+            process.note_progress(0.97 * progress.fraction)
+            if progress.stage != newest:
+                newest = progress.stage
+                begin(newest)
+            return True
+
+        logs = log_in(self.first), log_in(self.second)
+        merged = slam.merge_logs(*logs, progress=report)
+        for log, poses, ending in zip(logs, merged.poses, ENDINGS, strict=True):
+            corrected = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
+            Path(self.out + ending).write_text(export.tum_text(corrected, NAME), encoding="ascii")
+        begin("writing")
+        both, note = merged_log(logs, merged.poses)
+        with Path(self.out + LOG).open("wb") as mcap:
+            export.write_mcap(mcap, both, trajectory=NAME)
+        Path(self.out + BOTH).write_text(export.tum_text(both, NAME), encoding="ascii")
+        Path(self.out + GRAPH).write_bytes(graph_bytes(*slam.merged_graph(logs, merged)))
+        process.note_progress(1.0)
+        topic = both.topic if isinstance(both, JointLog) else None
+        return MergeOutcome(len(merged.loops), len(merged.tried), merged.score, merged.cpu_seconds, topic, note)
 
 
 # -- the kind of jobs -------------------------------------------------------------------------------------------------
@@ -190,24 +178,24 @@ class MergeKind:
 
     async def run(self, run: Run[MergeRequest, MergeReport]) -> MergeResult:
         """Merge two logs, add a trajectory to each, and store a log of both."""
-        wanted, limits, ids = run.request, run.limits, (run.log_id, run.request.other)
-        first = await run.load(run.log_id, wanted.topic, wanted.cut)
-        second = await run.load(ids[1], wanted.other_topic, wanted.other_cut)
+        request, ids = run.request, (run.log_id, run.request.other)
+        first = await run.load(run.log_id, request.topic, request.cut)
+        second = await run.load(ids[1], request.other_topic, request.other_cut)
         packs = (
-            await run.packed(_as_mapped(first, wanted.mapping), "first.npz"),
-            await run.packed(_as_mapped(second, wanted.other_mapping), "second.npz"),
+            await run.packed(_as_mapped(first, request.mapping), "first.npz"),
+            await run.packed(_as_mapped(second, request.other_mapping), "second.npz"),
         )
-        job = MergeJob(*packs, str(run.out), limits.timeout_s, limits.cpu_s, limits.memory_bytes)
+        job = MergeJob(*packs, str(run.out), run.limits)
         outcome = await run.follow(job, lambda out: _report(out, run.worker.progress))
         texts = [await run.made(ending) for ending in ENDINGS]
         names = [run.logs.get(run.owner, log_id).name for log_id in ids]
         for log_id, log, text, other in zip(ids, (first, second), texts, reversed(names), strict=True):
-            said = f"poses in one frame with those of {other}, with {outcome.loops} loops between the two logs"
-            await run.add(log_id, log, NewTrajectory(NAME, text, "slam", said))
+            description = f"poses in one frame with those of {other}, with {outcome.loops} loops between the two logs"
+            await run.add(log_id, log, NewTrajectory(NAME, text, "slam", description))
         both = await run.logs.put(run.owner, _name_of_both(names), _pieces(run.out.with_name(run.out.name + LOG)))
-        said = f"SLAM of {names[0]} and {names[1]}, with {outcome.loops} loops between the two logs"
+        description = f"SLAM of {names[0]} and {names[1]}, with {outcome.loops} loops between the two logs"
         log = await run.logs.load(run.owner, both.id, outcome.topic)
-        new = NewTrajectory(SLAM, await run.made(BOTH), "slam", said, await run.made(GRAPH))
+        new = NewTrajectory(SLAM, await run.made(BOTH), "slam", description, await run.made(GRAPH))
         await run.add(both.id, log, new)
         return MergeResult(**asdict(outcome), trajectory=NAME, log=both.id, name=both.name)
 

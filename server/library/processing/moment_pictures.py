@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from server.jobs.process import BoundedJob, WorkerJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.processing.recording_worker import RecordingWorker
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from mapper.io.contents.raw_message import RawMessage
 
 T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
 
 TIMEOUT_S = 60.0  #: of one picture, and of processor time
 BYTES_PER_S = 20e6  #: and a second more for this number of bytes: a recording without an index is read up to the moment
@@ -32,60 +33,38 @@ class MomentPicture:
 
 
 @dataclass(frozen=True, slots=True)
-class _MomentJob(BoundedJob):
+class _MomentJob(BoundedJob[T_co]):
     """A job on the newest message of ``topic`` in ``source`` at or before ``at_ns``, time of recording."""
 
     source: str
     topic: str
     at_ns: int
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
+    limits: JobLimits
 
 
 @dataclass(frozen=True, slots=True)
-class PictureJob(_MomentJob):
+class PictureJob(_MomentJob[MomentPicture]):
     """Make a picture of such a message."""
 
-    @property
-    def work(self) -> Callable[[PictureJob], MomentPicture]:
-        """The function that does it."""
-        return picture_job
+    def compute(self) -> MomentPicture:
+        """Return the picture. Raises :class:`ReadError` or :class:`LimitError`."""
+        # Only the process that decodes needs the readers and the decoders.
+        from mapper.io.contents.pictures import picture_of  # noqa: PLC0415
+        from mapper.io.contents.seeking import message_at  # noqa: PLC0415
 
-
-def picture_job(job: PictureJob) -> MomentPicture:
-    """Do the job. Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes."""
-    return job.bounded(lambda: _picture(job))
-
-
-def _picture(job: PictureJob) -> MomentPicture:
-    # Only the process that decodes needs the readers and the decoders.
-    from mapper.io.contents.pictures import picture_of  # noqa: PLC0415
-    from mapper.io.contents.seeking import message_at  # noqa: PLC0415
-
-    message = message_at(Path(job.source), job.topic, job.at_ns)
-    return MomentPicture(*picture_of(message.type, message.data, cdr=message.cdr), message.stamp_ns)
+        message = message_at(Path(self.source), self.topic, self.at_ns)
+        return MomentPicture(*picture_of(message.type, message.data, cdr=message.cdr), message.stamp_ns)
 
 
 @dataclass(frozen=True, slots=True)
-class MessageJob(_MomentJob):
+class MessageJob(_MomentJob["RawMessage"]):
     """Return the fields of such a message."""
 
-    @property
-    def work(self) -> Callable[[MessageJob], RawMessage]:
-        """The function that does it."""
-        return message_job
+    def compute(self) -> RawMessage:
+        """Return the message. Raises :class:`ReadError` or :class:`LimitError`."""
+        from mapper.io.contents.raw_message import raw_message  # noqa: PLC0415 - as for pictures
 
-
-def message_job(job: MessageJob) -> RawMessage:
-    """Do the job. Raises as :func:`picture_job`."""
-    return job.bounded(lambda: _message(job))
-
-
-def _message(job: MessageJob) -> RawMessage:
-    from mapper.io.contents.raw_message import raw_message  # noqa: PLC0415 - as for pictures
-
-    return raw_message(Path(job.source), job.topic, job.at_ns)
+        return raw_message(Path(self.source), self.topic, self.at_ns)
 
 
 class MomentPictures:
@@ -112,7 +91,7 @@ class MomentPictures:
 
     async def _done(
         self,
-        kind: Callable[[str, str, int, float, float, int], WorkerJob[T]],
+        kind: Callable[[str, str, int, JobLimits], BoundedJob[T]],
         record: Record,
         visitor: str,
         topic: str,
@@ -120,9 +99,8 @@ class MomentPictures:
         address: str,
     ) -> T:
         timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
-        return await self._worker.done(
-            record, visitor, address, lambda source: kind(source, topic, at_ns, timeout_s, timeout_s, MEMORY_BYTES)
-        )
+        limits = JobLimits(timeout_s, timeout_s, MEMORY_BYTES)
+        return await self._worker.done(record, visitor, address, lambda source: kind(source, topic, at_ns, limits))
 
     async def close(self) -> None:
         """End the process."""

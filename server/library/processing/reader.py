@@ -21,6 +21,7 @@ from mapper.core.errors import LimitError, MapperError
 from mapper.io.logs.summary import LogSummary
 from mapper.sensors.planar.options import PlanarCut
 from server.jobs.outcome import outcome_of
+from server.jobs.process import JobLimits
 from server.jobs.workers import PoolWorker, Worker
 from server.library.logs.records import Record
 from server.library.processing.reading import Job
@@ -123,7 +124,8 @@ class Reader:
                 message = "The log cannot be read now: the server’s disk may be full."
                 raise LimitError("log.storage", message) from error
         try:
-            job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
+            limits = JobLimits(timeout_s, cpu_s, self._memory_bytes)
+            job = Job(str(source), target, topic, limits, cut, drawn, volume, folder)
             await self._worker.prepare()
             self._before = self.worker_pid, _cpu_s_of(self.worker_pid)
             self._has_begun = True  # it is submitted before anything else runs

@@ -13,14 +13,14 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.io import logs
 from mapper.io.logs.summary import LogSummary, summarise
 from mapper.sensors.planar.options import PlanarCut
-from server.jobs.process import BoundedJob, note_progress
+from server.jobs.process import BoundedJob, JobLimits, note_progress
 from server.library.packs.costmaps import costmap_codes, summarise_costmaps, write_costmap_pack
 from server.library.packs.log import write_pack
 from server.library.packs.map_files import is_map, read_map
 
 
 @dataclass(frozen=True, slots=True)
-class Job(BoundedJob):
+class Job(BoundedJob[LogSummary]):
     """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors.
 
     A picture of its map is drawn into ``picture`` if there is one.
@@ -29,53 +29,40 @@ class Job(BoundedJob):
     source: str
     pack: str | None
     topic: str | None
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int  #: of address space
+    limits: JobLimits
     cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
     picture: str | None = None
     volume: bool = False  #: whether the clouds are read for a map in 3D, and not the scans
     folder: str | None = None  #: where temporary files are written; None: in the system's folder
 
-    @property
-    def work(self) -> Callable[[Job], LogSummary]:
-        """The function that reads it."""
-        return read_job
+    def compute(self) -> LogSummary:
+        """Return what the log holds. Raises :class:`ReadError` or :class:`LimitError`."""
+        from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
 
+        tempfile.tempdir = (
+            self.folder
+        )  # of this process, which only reads; readers of packed databases write there, too
+        if self.volume:
+            return _read_volume(self)
+        if self.topic is None and is_map(Path(self.source)):
+            return _read_map(self)
+        if self.topic is None and _holds_volume(self):
+            return _read_volume(self)
+        selection = ALL_SENSORS if self.topic is None else Selection.of(self.topic, self.cut)
+        try:
+            log = logs.open_robot_log(Path(self.source), selection=selection, progress=note_progress)
+        except ReadError as error:
+            if error.code != "log.no_scans" or self.topic is not None:
+                raise
+            return _read_others(self, error)
+        note_progress(1.0)  # a cancelled self ends here and leaves no pack
+        _pack(self, lambda path: write_pack(log, path))
+        if self.picture is not None:
+            from server.library.packs.picture import write_picture  # noqa: PLC0415 - Pillow is loaded only for pictures
 
-def read_job(job: Job) -> LogSummary:
-    """Do the job and return what the log holds.
-
-    Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
-    """
-    return job.bounded(lambda: _read(job))
-
-
-def _read(job: Job) -> LogSummary:
-    from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
-
-    tempfile.tempdir = job.folder  # of this process, which only reads; readers of packed databases write there, too
-    if job.volume:
-        return _read_volume(job)
-    if job.topic is None and is_map(Path(job.source)):
-        return _read_map(job)
-    if job.topic is None and _holds_volume(job):
-        return _read_volume(job)
-    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
-    try:
-        log = logs.open_robot_log(Path(job.source), selection=selection, progress=note_progress)
-    except ReadError as error:
-        if error.code != "log.no_scans" or job.topic is not None:
-            raise
-        return _read_others(job, error)
-    note_progress(1.0)  # a cancelled job ends here and leaves no pack
-    _pack(job, lambda path: write_pack(log, path))
-    if job.picture is not None:
-        from server.library.packs.picture import write_picture  # noqa: PLC0415 - Pillow is loaded only for pictures
-
-        with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
-            write_picture(log.first, Path(job.picture))
-    return summarise(log.first)
+            with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
+                write_picture(log.first, Path(self.picture))
+        return summarise(log.first)
 
 
 def _holds_volume(job: Job) -> bool:
@@ -126,11 +113,11 @@ def _read_map(job: Job) -> LogSummary:
     """Read map files."""
     from server.library.packs.map import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
 
-    given = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
+    reference = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
     note_progress(1.0)
-    _pack(job, given.write)
-    _draw(job, lambda: map_codes(given))
-    return summarise_map(given)
+    _pack(job, reference.write)
+    _draw(job, lambda: map_codes(reference))
+    return summarise_map(reference)
 
 
 def _pack(job: Job, write: Callable[[Path], None]) -> None:

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from mapper.core.errors import MapperError
 from server.jobs.outcome import outcome_of
-from server.jobs.process import WorkerJob
+from server.jobs.process import BoundedJob
 from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
@@ -39,12 +39,12 @@ class RecordingWorker:
         """Return the turn in which the process does a visitor's job."""
         return self._turns.of(visitor, address)
 
-    async def done(self, record: Record, visitor: str, address: str, job: Callable[[str], WorkerJob[T]]) -> T:
+    async def done(self, record: Record, visitor: str, address: str, job: Callable[[str], BoundedJob[T]]) -> T:
         """Wait for a turn, and return as :meth:`of_recording` does."""
         async with self.turn(visitor, address):
             return await self.of_recording(record, job)
 
-    async def of_recording(self, record: Record, job: Callable[[str], WorkerJob[T]]) -> T:
+    async def of_recording(self, record: Record, job: Callable[[str], BoundedJob[T]]) -> T:
         """Return the result of the job that ``job`` makes of the recording's path, in a turn. Raises what it raised."""
         async with self._catalogue.source(record) as source:
             try:
@@ -52,7 +52,7 @@ class RecordingWorker:
             except MapperError as error:
                 raise without_paths(error, source, record.name) from None
 
-    async def of(self, job: WorkerJob[T]) -> T:
+    async def of(self, job: BoundedJob[T]) -> T:
         """Return the result of a job, in a turn. Raises what it raised."""
         return await outcome_of(self._worker, job)
 

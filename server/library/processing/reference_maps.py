@@ -35,7 +35,7 @@ MOST_CELLS = 1 << 26
 
 
 @dataclass(frozen=True, slots=True)
-class ReferenceMapJob(BoundedJob):
+class ReferenceMapJob(BoundedJob[ReferenceMap]):
     """Make the map ``title`` in the file ``out``.
 
     ``source`` is the pack of a log, mapped along its ``trajectory``; or, where that is None, the map files: a tar
@@ -49,34 +49,24 @@ class ReferenceMapJob(BoundedJob):
     out: str
     title: str
     trajectory: str | None
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
+    limits: JobLimits
 
-    @property
-    def work(self) -> Callable[[ReferenceMapJob], ReferenceMap]:
-        """The function that does it."""
-        return do_reference_map_job
-
-
-def do_reference_map_job(job: ReferenceMapJob) -> ReferenceMap:
-    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a file that is no map, and for limits."""
-    return job.bounded(lambda: _made(job))
-
-
-def _made(job: ReferenceMapJob) -> ReferenceMap:
-    given = (
-        read_map(Path(job.source), job.title, Path(job.out).parent)
-        if job.trajectory is None
-        else _of_log(job, job.trajectory)
-    )
-    if given.values.size > MOST_CELLS:
-        raise LimitError("map.cells", f"The map has {given.values.size:,} cells; at most {MOST_CELLS:,} are used here.")
-    if not (given.values >= 0).any():
-        raise ReadError("map.empty", "The map has no known cells: nothing can be localized in it.")
-    given.write(Path(job.out))
-    process.note_progress(1.0)
-    return given
+    def compute(self) -> ReferenceMap:
+        """Return the map. Raises :class:`mapper.core.errors.MapperError` for a file that is no map."""
+        reference = (
+            read_map(Path(self.source), self.title, Path(self.out).parent)
+            if self.trajectory is None
+            else _of_log(self, self.trajectory)
+        )
+        if reference.values.size > MOST_CELLS:
+            raise LimitError(
+                "map.cells", f"The map has {reference.values.size:,} cells; at most {MOST_CELLS:,} are used here."
+            )
+        if not (reference.values >= 0).any():
+            raise ReadError("map.empty", "The map has no known cells: nothing can be localized in it.")
+        reference.write(Path(self.out))
+        process.note_progress(1.0)
+        return reference
 
 
 def _of_log(job: ReferenceMapJob, trajectory: str) -> ReferenceMap:
@@ -155,9 +145,9 @@ class ReferenceMaps:
         Raises :class:`LimitError`, and as the library for logs that the owner may not open.
         """
         self._logs.get(owner, log_id)
-        kept = await self._logs.reference_map(owner, other)
-        if kept is not None:
-            return await self._keep(owner, log_id, kept)
+        reference = await self._logs.reference_map(owner, other)
+        if reference is not None:
+            return await self._keep(owner, log_id, reference)
         log = await self._logs.load(owner, other, topic)
         name = trajectory or log.default_trajectory
         log.trajectory(name)
@@ -194,27 +184,25 @@ class ReferenceMaps:
         self, owner: str, address: str, log_id: str, source: Path, title: str, trajectory: str | None
     ) -> ReferenceMap:
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
-        job = ReferenceMapJob(
-            str(source), str(fresh), title, trajectory, LIMITS.timeout_s, LIMITS.cpu_s, LIMITS.memory_bytes
-        )
+        job = ReferenceMapJob(str(source), str(fresh), title, trajectory, LIMITS)
         try:
             async with self._turns.of(owner, address):
                 worker = self._worker = self._worker or self._make_worker()
-                made = await outcome_of(worker, job)
+                reference = await outcome_of(worker, job)
             await self._put(owner, log_id, fresh)
-            return made
+            return reference
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
 
-    async def _keep(self, owner: str, log_id: str, given: ReferenceMap) -> ReferenceMap:
+    async def _keep(self, owner: str, log_id: str, reference: ReferenceMap) -> ReferenceMap:
         """Choose a map of the library."""
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
         try:
-            await asyncio.to_thread(given.write, fresh)
+            await asyncio.to_thread(reference.write, fresh)
             await self._put(owner, log_id, fresh)
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
-        return given
+        return reference
 
     async def _put(self, owner: str, log_id: str, fresh: Path) -> None:
         """Keep the file ``fresh`` as the map that was chosen, here and in the store."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import math
 import secrets
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,7 +22,7 @@ from mapper.evaluation.published import PublishedResult
 from mapper.io import logs
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.processing.reading_jobs import without_paths
@@ -67,7 +67,7 @@ class PoseScore(RelationMeans):
 
 
 @dataclass(frozen=True, slots=True)
-class ScoreJob(BoundedJob):
+class ScoreJob(BoundedJob[RelationMeans]):
     """Score ``poses`` (n, 3), one for each scan of the log ``source``, against the relations in the file ``relations``.
 
     ``stamps_ns`` (n,) are the scans', ``topic`` names the log's sensor; None for the sample, which has no file.
@@ -78,35 +78,23 @@ class ScoreJob(BoundedJob):
     topic: str | None
     stamps_ns: NDArray[np.int64]
     poses: NDArray[np.float64]
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
+    limits: JobLimits
 
-    @property
-    def work(self) -> Callable[[ScoreJob], RelationMeans]:
-        """The function that does it."""
-        return score_job
+    def compute(self) -> RelationMeans:
+        """Return the mean errors. Raises :class:`MapperError`."""
+        from mapper.io.trajectories import read_relations  # noqa: PLC0415
 
-
-def score_job(job: ScoreJob) -> RelationMeans:
-    """Do the job. Raises :class:`MapperError`, which crosses to the server with its code."""
-    return job.bounded(lambda: _score(job))
-
-
-def _score(job: ScoreJob) -> RelationMeans:
-    from mapper.io.trajectories import read_relations  # noqa: PLC0415
-
-    known = read_relations(Path(job.relations))
-    records = None if job.source is None else logs.odometry_records(job.source, topic=job.topic)
-    errors = evaluate_relations(known, TimedPoses(job.stamps_ns, job.poses), records)
-    clear = errors.only_unambiguous() if errors.policy == "records" and errors.unambiguous.any() else None
-    return RelationMeans(
-        relations=len(known),
-        policy=errors.policy,
-        left_out=errors.left_out,
-        all=_means(errors.translation, errors.rotation),
-        unambiguous=None if clear is None else _means(*clear),
-    )
+        known = read_relations(Path(self.relations))
+        records = None if self.source is None else logs.odometry_records(self.source, topic=self.topic)
+        errors = evaluate_relations(known, TimedPoses(self.stamps_ns, self.poses), records)
+        clear = errors.only_unambiguous() if errors.policy == "records" and errors.unambiguous.any() else None
+        return RelationMeans(
+            relations=len(known),
+            policy=errors.policy,
+            left_out=errors.left_out,
+            all=_means(errors.translation, errors.rotation),
+            unambiguous=None if clear is None else _means(*clear),
+        )
 
 
 def _means(translation: ErrorSeries, rotation: ErrorSeries) -> MeanErrors:
@@ -123,11 +111,9 @@ class RelationScores:
     Used from the event loop only.
     """
 
-    def __init__(
-        self, catalogue: Catalogue, folder: Path, *, timeout_s: float, cpu_s: float, memory_bytes: int
-    ) -> None:
-        self._folder, self._limits = folder, (timeout_s, cpu_s, memory_bytes)
-        self._worker = RecordingWorker(catalogue, memory_bytes)
+    def __init__(self, catalogue: Catalogue, folder: Path, limits: JobLimits) -> None:
+        self._folder, self._limits = folder, limits
+        self._worker = RecordingWorker(catalogue, limits.memory_bytes)
 
     async def score(
         self,
@@ -150,7 +136,7 @@ class RelationScores:
         relations = self._folder / f"relations-{secrets.token_hex(8)}"
 
         def job(source: str | None) -> ScoreJob:
-            return ScoreJob(source, str(relations), topic, log.stamps_ns, poses, *self._limits)
+            return ScoreJob(source, str(relations), topic, log.stamps_ns, poses, self._limits)
 
         try:
             async with self._worker.turn(visitor, address):

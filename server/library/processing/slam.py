@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import math
 import time
-import zipfile
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper import diagnosis, slam
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import changed_values
 from mapper.io import export
@@ -27,11 +24,11 @@ from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import Trajectory
 from mapper.slam.config import SLAM_PARAMETERS, SlamConfig
 from server.jobs import process
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
-from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
+from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run, read_report, write_report
 
 if TYPE_CHECKING:
     from mapper.diagnosis.figures import MapFigures
@@ -41,34 +38,7 @@ NAME = "SLAM"  #: of the trajectory, in the process
 EVERY_S = 0.4  #: seconds between two reports, except those of a closed loop
 
 #: Endings of the files, after the job's ``out``.
-PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
-
-
-@dataclass(frozen=True, slots=True)
-class SlamJob(BoundedJob):
-    """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
-
-    ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
-    ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
-    figures of the result are those of that map.
-    """
-
-    DOING = "SLAM of this log"
-    CODE = "slam"
-
-    pack: str
-    out: str
-    trajectory: str | None
-    parameters: Parameters
-    mapping: Parameters
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
-
-    @property
-    def work(self) -> Callable[[SlamJob], SlamOutcome]:
-        """The function that does it."""
-        return do_slam_job
+TUM, GRAPH = ".tum", ".graph"
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +55,58 @@ class SlamOutcome:
 
 
 @dataclass(frozen=True, slots=True)
+class SlamJob(BoundedJob[SlamOutcome]):
+    """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
+
+    ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
+    ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
+    figures of the result are those of that map.
+    """
+
+    BACKGROUND = True
+    DOING = "SLAM of this log"
+    CODE = "slam"
+
+    pack: str
+    out: str
+    trajectory: str | None
+    parameters: Parameters
+    mapping: Parameters
+    limits: JobLimits
+
+    def compute(self) -> SlamOutcome:
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use."""
+        from server.library.packs.graph import graph_bytes  # noqa: PLC0415
+
+        log = log_in(self.pack)
+        if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
+            raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
+        config = SlamConfig().with_values(self.parameters)
+        mapping = MappingConfig().with_values({**RECORDED, **self.mapping})
+        result = slam.slam_log(
+            as_mapped(log, mapping), config, trajectory=self.trajectory, progress=_Reporter(self.out)
+        )
+        offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
+        corrected = Trajectory(result.poses, from_scans=True, offset=offset)
+        log = replace(log, trajectories={**log.trajectories, NAME: corrected})
+        Path(self.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
+        Path(self.out + TUM).write_text(export.tum_text(log, NAME), encoding="ascii")
+        before = log.default_trajectory if result.odometry is None else result.odometry
+        along_odometry, along_slam = (diagnosis.map_figures(log, name, mapping) for name in (before, NAME))
+        process.note_progress(1.0)
+        nodes = len(result.graph.nodes)
+        return SlamOutcome(
+            result.odometry,
+            result.graph.n_loops,
+            nodes,
+            result.cpu_seconds,
+            along_odometry,
+            along_slam,
+            result.notes,
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class PartialPoses:
     """The poses (k, 3), ``T_map_base``, of the first k scans while SLAM runs; ``stage`` as SLAM names it."""
 
@@ -94,46 +116,11 @@ class PartialPoses:
     poses: NDArray[np.float64]
 
 
-def do_slam_job(job: SlamJob) -> SlamOutcome:
-    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use, and limits."""
-    process.lower_priority()
-    return job.bounded(lambda: _slam(job))
-
-
-def _slam(job: SlamJob) -> SlamOutcome:
-    from server.library.packs.graph import graph_bytes  # noqa: PLC0415
-
-    log = log_in(job.pack)
-    if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
-        raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
-    config = SlamConfig().with_values(job.parameters)
-    mapping = MappingConfig().with_values({**RECORDED, **job.mapping})
-    result = slam.slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
-    offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
-    corrected = Trajectory(result.poses, from_scans=True, offset=offset)
-    log = replace(log, trajectories={**log.trajectories, NAME: corrected})
-    Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
-    Path(job.out + TUM).write_text(export.tum_text(log, NAME), encoding="ascii")
-    before = log.default_trajectory if result.odometry is None else result.odometry
-    along_odometry, along_slam = (diagnosis.map_figures(log, name, mapping) for name in (before, NAME))
-    process.note_progress(1.0)
-    nodes = len(result.graph.nodes)
-    return SlamOutcome(
-        result.odometry,
-        result.graph.n_loops,
-        nodes,
-        result.cpu_seconds,
-        along_odometry,
-        along_slam,
-        result.notes,
-    )
-
-
 class _Reporter:
     """Writes how far SLAM is, at most every :data:`EVERY_S`, sooner where a loop has closed."""
 
     def __init__(self, out: str) -> None:
-        self._path = Path(out + PROGRESS)
+        self._out = out
         self._written = 0.0
         self._loops = 0
 
@@ -143,20 +130,9 @@ class _Reporter:
         has_closed = progress.n_loops != self._loops
         if now - self._written > (EVERY_S / 4.0 if has_closed else EVERY_S):
             self._written, self._loops = now, progress.n_loops
-            about = np.array([progress.fraction, progress.n_loops], dtype=np.float64)
-            with atomic_write(self._path) as file:
-                np.savez(file, about=about, stage=np.array(progress.stage), poses=progress.poses)
+            newest = PartialPoses(progress.fraction, progress.stage, progress.n_loops, progress.poses)
+            write_report(self._out, newest)
         return True
-
-
-def read_progress(out: Path) -> PartialPoses | None:
-    """Return what a running job has reported last; None before the first report."""
-    try:
-        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
-            fraction, loops = arrays["about"].tolist()
-            return PartialPoses(fraction, str(arrays["stage"]), int(loops), arrays["poses"])
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        return None
 
 
 # -- the kind of jobs -------------------------------------------------------------------------------------------------
@@ -234,20 +210,17 @@ class SlamKind:
 
     async def run(self, run: Run[SlamRequest, PartialPoses]) -> SlamResult:
         """Correct the poses of a log, and add them to it with their graph."""
-        wanted, limits = run.request, run.limits
-        log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
+        request = run.request
+        log = await run.load(run.log_id, request.topic, request.cut, request.trajectory)
         pack = await run.packed(log, "log.npz")
-        job = SlamJob(
-            pack, str(run.out), wanted.trajectory, wanted.parameters, wanted.mapping or {}, limits.timeout_s,
-            limits.cpu_s, limits.memory_bytes,
-        )  # fmt: skip
-        outcome = await run.follow(job, read_progress)
+        job = SlamJob(pack, str(run.out), request.trajectory, request.parameters, request.mapping or {}, run.limits)
+        outcome = await run.follow(job, lambda out: read_report(out, PartialPoses))
         start = "the scans alone" if outcome.odometry is None else f"the poses of {outcome.odometry}"
         loops = "1 loop" if outcome.loops == 1 else f"{outcome.loops} loops"
         name = run.own_name(log, NAME, f"{NAME} (healed)")
-        said = f"poses corrected by SLAM, from {start}, with {loops}"
+        description = f"poses corrected by SLAM, from {start}, with {loops}"
         text, graph = await run.made(TUM), await run.made(GRAPH)
-        await run.add(run.log_id, log, NewTrajectory(name, text, "slam", said, graph))
+        await run.add(run.log_id, log, NewTrajectory(name, text, "slam", description, graph))
         before, after = outcome.before, outcome.after
         return SlamResult(
             trajectory=name,

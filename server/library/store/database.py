@@ -44,12 +44,12 @@ class Reserve:
         with contextlib.suppress(OSError):
             handle = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o600)
             try:
-                taken, size = os.fstat(handle).st_size, RESERVE_BYTES
-                while size >= max(LEAST_BYTES, taken + 1):
+                used, size = os.fstat(handle).st_size, RESERVE_BYTES
+                while size >= max(LEAST_BYTES, used + 1):
                     with contextlib.suppress(OSError):
                         os.posix_fallocate(handle, 0, size)
                         break
-                    os.ftruncate(handle, taken)  # what was taken before it failed
+                    os.ftruncate(handle, used)  # what was taken before it failed
                     size //= 2
             finally:
                 os.close(handle)

@@ -49,8 +49,8 @@ class LeaseRows:
         def work(connection: Connection) -> bool:
             now = _now(connection)
             values = {"until_s": now + self._lease_s, "fraction": fraction}
-            held = update(leases).where(self._mine(name), leases.c.until_s > now).values(values)
-            return connection.execute(held).rowcount > 0
+            query = update(leases).where(self._mine(name), leases.c.until_s > now).values(values)
+            return connection.execute(query).rowcount > 0
 
         return await self._database.run(work)
 

@@ -21,7 +21,7 @@ from server.sessions.hosting import ModelHost
 from server.sessions.part import ExplainedMap, MappedScans, Part
 from server.sessions.parts import Comparable, Recording
 from server.sessions.tick import TickResult
-from server.sessions.view import Wanted
+from server.sessions.view import MapRequest
 from server.stream.grid_layer import GridLayer
 from server.stream.message_parts import Compared, Numbers
 from server.stream.messages import ParametersMessage
@@ -65,7 +65,7 @@ class LogComparison(Part, Comparable):
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
-    async def compare(self, wanted: Wanted | None) -> None:
+    async def compare(self, requested: MapRequest | None) -> None:
         """Compare with another map, which replaces the previous one; None ends the comparison.
 
         Raises :class:`MapperError` if the other map cannot be made or another one was requested meanwhile; the
@@ -74,9 +74,9 @@ class LogComparison(Part, Comparable):
         self._request += 1
         request = self._request
         other = None
-        if wanted is not None:
+        if requested is not None:
             # Made while the session runs; _replace applies what has changed meanwhile.
-            other = await self._host.on_thread(partial(self._second_view, wanted, request))
+            other = await self._host.on_thread(partial(self._second_view, requested, request))
         async with self._host.locked():
             if request != self._request or self._host.closed:
                 raise _superseded()
@@ -136,7 +136,7 @@ class LogComparison(Part, Comparable):
 
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
-    def _second_view(self, wanted: Wanted, request: int) -> SecondMapView:
+    def _second_view(self, requested: MapRequest, request: int) -> SecondMapView:
         def is_wanted() -> bool:
             checkpoint()
             return request == self._request and not self._host.closed
@@ -144,7 +144,7 @@ class LogComparison(Part, Comparable):
         limits, replay = self._host.limits(), self._recording.replay
         room = replace(limits, max_cells=max(1, limits.max_cells - int(replay.grid.log_odds.size)))
         try:
-            return SecondMapView(wanted, replay, replay.config, room, is_wanted)
+            return SecondMapView(requested, replay, replay.config, room, is_wanted)
         except WorkCancelledError as error:
             raise _superseded() from error
 
@@ -157,7 +157,7 @@ class LogComparison(Part, Comparable):
             result.slot(comparison_message(replay.index))
             result.slot(self._message())
             return result
-        other.replay.wanted = self._host.may_continue
+        other.replay.may_continue = self._host.may_continue
         other.reconfigure(replay.config)
         other.advance(replay.index)
         other.second.changed()
@@ -223,34 +223,34 @@ class SecondMapView:
 
     def __init__(
         self,
-        wanted: Wanted,
+        requested: MapRequest,
         own: Replay,
         config: MappingConfig,
         limits: Limits,
         is_wanted: Callable[[], bool],
     ) -> None:
         """Make the map (worker thread). Raises as :class:`Replay` does."""
-        self._wanted = wanted
-        self._follows = wanted.log is None
+        self._wanted = requested
+        self._follows = requested.log is None
         self._limits = limits
-        log = wanted.log or own.log
-        self.replay = Replay(log, config.with_values(wanted.values), wanted.trajectory, limits)
-        self.replay.wanted = is_wanted
+        log = requested.log or own.log
+        self.replay = Replay(log, config.with_values(requested.values), requested.trajectory, limits)
+        self.replay.may_continue = is_wanted
         self.replay.advance_to(own.index if self._follows else log.n_scans)
-        self.second = SecondMap(wanted.values, True, self.replay.config, self.replay.grid)
+        self.second = SecondMap(requested.values, True, self.replay.config, self.replay.grid)
         self.is_new = True  #: whether one of the two maps has changed since they were last compared
         self._recorded = recorded_seconds(log)
 
     def description(self) -> Compared:
         """The description of the map: ``compare`` of a ``parameters`` message."""
-        wanted = self._wanted
+        requested = self._wanted
         return Compared(
-            values=wanted.values,
+            values=requested.values,
             with_faults=True,
             trajectory=self.replay.trajectory,
-            log=None if self._follows else wanted.log_id,
-            topic=wanted.topic,
-            title=wanted.title,
+            log=None if self._follows else requested.log_id,
+            topic=requested.topic,
+            title=requested.title,
         )
 
     def reconfigure(self, config: MappingConfig) -> None:
@@ -279,7 +279,7 @@ class SecondMapView:
         if old.trajectory not in log.trajectories:
             return  # it was deleted: this map goes on with it
         replay = Replay(log, old.config, old.trajectory, self._limits)
-        replay.wanted = old.wanted
+        replay.may_continue = old.may_continue
         replay.advance_to(old.index)
         self.replay = replay
         self.second.begin(replay.config, replay.grid)

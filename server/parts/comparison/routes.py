@@ -23,7 +23,7 @@ from server.http.session_access import part_of_log
 from server.sessions import SessionRegistry
 from server.sessions.kind import GivenValues
 from server.sessions.parts import Comparable
-from server.sessions.view import Wanted
+from server.sessions.view import MapRequest
 from server.stream.message_parts import Compared
 
 if TYPE_CHECKING:
@@ -87,20 +87,20 @@ def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
 @router.put("/{session_id}/compare")
 @guests_may(GuestRight.LINKED_SESSION)
 async def begin(
-    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: ComparedMap
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, body: ComparedMap
 ) -> ComparisonAnswer | RefusedComparison:
     """Compare the session's map, B, with another map, A, in every window on the session; answer as GET does."""
     session, comparison = _compared(sessions, session_id)
     log, title = None, ""
-    if wanted.log is not None:
+    if body.log is not None:
         if session.link is not None:
             raise MapperError(
                 "link.read_only", "This link shares a view of one log; it cannot be compared with another."
             )
-        log = await library.load(visitor, wanted.log, wanted.topic)
-        title = library.get(visitor, wanted.log).name
+        log = await library.load(visitor, body.log, body.topic)
+        title = library.get(visitor, body.log).name
         await sessions.free_bytes(log, session.owner)
-    await comparison.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
+    await comparison.compare(MapRequest(body.values, body.trajectory, log, body.log, body.topic, title))
     try:
         return await _comparison(comparison)
     except MapperError as error:

@@ -198,10 +198,10 @@ class Costmap:
         before, old_plan, geometry = self.parameters, self._plan, self.geometry
         try:
             self.parameters = parameters
-            wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
-            if wanted != before.values["map"] or unknown != before.values["track_unknown_space"]:
-                if wanted != before.values["map"]:
-                    self._plan = plan(wanted)
+            map_name, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
+            if map_name != before.values["map"] or unknown != before.values["track_unknown_space"]:
+                if map_name != before.values["map"]:
+                    self._plan = plan(map_name)
                 self.begin(grid)
                 return
             self._stack(self._built.obstacles)

@@ -76,36 +76,36 @@ class Nav2File:
         A layer that is switched on and that the file lacks is added. Raises :class:`ConfigError` for a value that the
         file cannot have.
         """
-        given = self._parameters()
+        parameters = self._parameters()
         if "track_unknown_space" in changes:
-            given["track_unknown_space"] = changes["track_unknown_space"]
+            parameters["track_unknown_space"] = changes["track_unknown_space"]
         if footprint is not None:
-            given["footprint"] = str([list(vertex) for vertex in footprint.vertices])
+            parameters["footprint"] = str([list(vertex) for vertex in footprint.vertices])
         kinds = set()
-        for layer, block in _blocks(self.costmap, given):
+        for layer, block in _blocks(self.costmap, parameters):
             kind = table_name(layer.config)
             if kind is not None:
                 kinds.add(kind)
                 _change(layer.config, kind, block, changes)
-        for filter_, block in _filter_blocks(self.costmap, given):
+        for filter_, block in _filter_blocks(self.costmap, parameters):
             if _OF_FILTERS.get(filter_.kind) in changes:
                 block["enabled"] = changes[_OF_FILTERS[filter_.kind]]
         for kind, config in (("static_layer", StaticConfig()), ("obstacle_layer", ObstacleConfig()),
                              ("terrain_layer", GivenConfig()), ("inflation_layer", InflationConfig())):  # fmt: skip
             if changes.get(kind) is True and kind not in kinds:
-                self._add(given, kind, config, changes)
-        return self._with(given)
+                self._add(parameters, kind, config, changes)
+        return self._with(parameters)
 
     def yaml(self, filters: Sequence[NamedFilter], path: Nav2Path) -> str:
         """Return the file with painted ``filters`` too, and the planner and the follower where they are others."""
-        given = self._parameters()
+        parameters = self._parameters()
         servers: dict[str, Any] = {}
         for filter_ in filters:
-            name = filter_.name if filter_.name not in given else f"painted_{filter_.name}"
-            given["filters"] = [*(given.get("filters") or ()), name]
-            given[name], nodes = filter_nodes(filter_, name)
+            name = filter_.name if filter_.name not in parameters else f"painted_{filter_.name}"
+            parameters["filters"] = [*(parameters.get("filters") or ()), name]
+            parameters[name], nodes = filter_nodes(filter_, name)
             servers |= nodes
-        root = {**self._with(given).root} | servers
+        root = {**self._with(parameters).root} | servers
         before, nodes = path_of(dict(self.root)), yaml.safe_load(nav2_path_yaml(path))
         changed = {PLANNER: path.planner != before.planner, CONTROLLER: path.pursuit != before.pursuit}
         for name, has_changed in changed.items():
@@ -118,44 +118,46 @@ class Nav2File:
         node = find_node(self.root, (self.costmap.node,), COSTMAP)
         return {} if node is None else copy.deepcopy(node[1])
 
-    def _with(self, given: dict[str, Any]) -> Nav2File:
+    def _with(self, parameters: dict[str, Any]) -> Nav2File:
         node = self.costmap.node
-        root = with_node(self.root, node, given, (node, node))
+        root = with_node(self.root, node, parameters, (node, node))
         return Nav2File(root, costmap_of(root, node))
 
-    def _add(self, given: dict[str, Any], kind: str, config: LayerConfig, changes: Mapping[str, Any]) -> None:
-        name = kind if kind not in given else f"gridbloom_{kind}"
+    def _add(self, parameters: dict[str, Any], kind: str, config: LayerConfig, changes: Mapping[str, Any]) -> None:
+        name = kind if kind not in parameters else f"gridbloom_{kind}"
         alone = Nav2Costmap(self.costmap.node, self.costmap.general, None, (NamedLayer(name, config),))
         node = yaml.safe_load(nav2_yaml(alone, 1.0))[alone.node][alone.node]["ros__parameters"]
-        given[name] = node[name]
-        _change(config, kind, given[name], changes)
+        parameters[name] = node[name]
+        _change(config, kind, parameters[name], changes)
         inflations = [layer.name for layer in self.costmap.layers if isinstance(layer.config, InflationConfig)]
-        types = dict(zip(given.pop("plugin_names", ()), given.pop("plugin_types", ()), strict=True))  # of Eloquent
+        types = dict(
+            zip(parameters.pop("plugin_names", ()), parameters.pop("plugin_types", ()), strict=True)
+        )  # of Eloquent
         types = types or {name: f"nav2_costmap_2d::{plugin}" for name, plugin in DEFAULT_LAYERS.items()}
-        plugins = list(given.get("plugins", types))
+        plugins = list(parameters.get("plugins", types))
         for named in [plugin for plugin in plugins if plugin in types]:  # known by its name in that list alone
-            given[named] = {"plugin": types[named]} | (given.get(named) or {})
+            parameters[named] = {"plugin": types[named]} | (parameters.get(named) or {})
         places = {"static_layer": 0, "inflation_layer": len(plugins)}
         last = plugins.index(inflations[0]) if inflations else len(plugins)
         plugins.insert(places.get(kind, last), name)
-        given["plugins"] = plugins
+        parameters["plugins"] = plugins
 
 
-def _blocks(costmap: Nav2Costmap, given: dict[str, Any]) -> Iterator[tuple[NamedLayer, dict[str, Any]]]:
+def _blocks(costmap: Nav2Costmap, parameters: dict[str, Any]) -> Iterator[tuple[NamedLayer, dict[str, Any]]]:
     """Yield each layer, those in containers too, with its block in the parameters; one is made where there is none."""
     for layer in costmap.layers:
-        block = given[layer.name] = given.get(layer.name) or {}
+        block = parameters[layer.name] = parameters.get(layer.name) or {}
         yield layer, block
         if isinstance(layer.config, ContainerConfig):
             yield from _blocks(layer.config.inner, block)
 
 
-def _filter_blocks(costmap: Nav2Costmap, given: dict[str, Any]) -> Iterator[tuple[NamedFilter, dict[str, Any]]]:
+def _filter_blocks(costmap: Nav2Costmap, parameters: dict[str, Any]) -> Iterator[tuple[NamedFilter, dict[str, Any]]]:
     for filter_ in costmap.filters:
-        yield filter_, given[filter_.name]
+        yield filter_, parameters[filter_.name]
     for layer in costmap.layers:
         if isinstance(layer.config, ContainerConfig):
-            yield from _filter_blocks(layer.config.inner, given[layer.name])
+            yield from _filter_blocks(layer.config.inner, parameters[layer.name])
 
 
 def _change(config: LayerConfig, kind: str, block: dict[str, Any], changes: Mapping[str, Any]) -> None:

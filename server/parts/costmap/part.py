@@ -157,8 +157,8 @@ class CostmapPart(Part, Costed):
             raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
         elif isinstance(command, CostCommand):
             x, y = command.x, command.y
-            said = [LayerCost(cost.layer, cost.cost, cost.master, cost.sentence) for cost in costmap.why(x, y)]
-            result.answer(CostMessage(round(x, 4), round(y, 4), said, costmap.why_speed(x, y)))
+            costs = [LayerCost(cost.layer, cost.cost, cost.master, cost.sentence) for cost in costmap.why(x, y)]
+            result.answer(CostMessage(round(x, 4), round(y, 4), costs, costmap.why_speed(x, y)))
         else:
             self._exchange(costmap, command, result)
 
@@ -182,12 +182,12 @@ class CostmapPart(Part, Costed):
             costmap.paint(strokes)
         self._note_change(result)
 
-    def _check(self, wanted: Mapping[str, Any]) -> None:
+    def _check(self, values: Mapping[str, Any]) -> None:
         """Raise :class:`ConfigError` for parameters that this session cannot have."""
         if (n := _cells_of(self._grid())) > MOST_CELLS:
             message = f"The map has {n} cells, and a costmap at most {MOST_CELLS}; choose a coarser resolution."
             raise ConfigError("costmap.too_large", message)
-        name = wanted.get("map", "belief")
+        name = values.get("map", "belief")
         if name not in self._names:
             message = f"The static map of this session is one of {', '.join(self._names)}: it has no map {name!r:.80}."
             raise ConfigError("costmap.map", message)
@@ -244,14 +244,14 @@ class CostmapPart(Part, Costed):
         exchange, notes = from_nav2(costmap.parameters, root, read, read_path)
         costmap.change(exchange, self._map(exchange), self._plan)
         unused = *read.unused, *read_path.unused
-        said = [*read.notes, *read_path.notes, *notes, *(_UNSEEN.format(name) for name in costmap.blind)]
+        all_notes = [*read.notes, *read_path.notes, *notes, *(_UNSEEN.format(name) for name in costmap.blind)]
         if not read.general.track_unknown_space:
-            said.append("track_unknown_space is off: cells that the map does not know count as free.")
+            all_notes.append("track_unknown_space is off: cells that the map does not know count as free.")
         if unused:
             names = ", ".join(unused[:_MOST_NAMES]) + (" and more" if len(unused) > _MOST_NAMES else "")
-            said.append(f"Without effect here, and kept in the yaml that you download: {names}.")
-        if said:  # in one notice: a page shows the newest
-            result.notice("nav2.kept", " ".join(said))
+            all_notes.append(f"Without effect here, and kept in the yaml that you download: {names}.")
+        if all_notes:  # in one notice: a page shows the newest
+            result.notice("nav2.kept", " ".join(all_notes))
         self._note_change(result)
         result.answer(Nav2Message(None))
 

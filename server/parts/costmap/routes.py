@@ -46,14 +46,14 @@ async def footprint(sessions: Sessions, session_id: str) -> FootprintAnswer:
 
 @router.put("/{session_id}/costmap/footprint")
 @guests_may(GuestRight.LINKED_SESSION)
-async def change_footprint(sessions: Sessions, session_id: str, wanted: FootprintOfCostmap) -> FootprintAnswer:
+async def change_footprint(sessions: Sessions, session_id: str, body: FootprintOfCostmap) -> FootprintAnswer:
     """Change the footprint of the session's costmap; answer as GET does."""
     from server.parts.costmap.parameters import footprint_of  # noqa: PLC0415 - with the first session
 
     session = sessions.get(session_id)
     await _footprint(session)  # the command would begin a costmap where there is none
-    footprint_of(wanted.footprint)
-    session.enqueue(CostmapCommand(footprint=wanted.footprint))
+    footprint_of(body.footprint)
+    session.enqueue(CostmapCommand(footprint=body.footprint))
     return await _footprint(session)
 
 

@@ -67,13 +67,13 @@ class Stroke:
         return same and self.points[: len(before.points)] == before.points
 
 
-def strokes_of(given: Sequence[BrushStroke]) -> tuple[Stroke, ...]:
+def strokes_of(brush_strokes: Sequence[BrushStroke]) -> tuple[Stroke, ...]:
     """Return strokes as the wire has them. Raises :class:`ProtocolError` for more than :data:`MOST_POINTS` points."""
     strokes = tuple(
         Stroke(
             stroke.width, stroke.erases, tuple(stroke.points), stroke.speed if isinstance(stroke.speed, int) else None
         )
-        for stroke in given
+        for stroke in brush_strokes
     )
     if len(strokes) > MOST_STROKES or sum(len(stroke.points) for stroke in strokes) > MOST_POINTS:
         message = f"At most {MOST_STROKES} strokes of {MOST_POINTS} points can be painted; clear some first."

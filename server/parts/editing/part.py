@@ -49,11 +49,11 @@ _ZONE_SHADES = np.where((np.arange(256) > 0) & (np.arange(256) < 128), np.arange
 def operation_of(command: MapEditCommand) -> Operation:
     """Return the operation of a command ``map_edit``. Raises :class:`mapper.core.errors.ConfigError`."""
     names = _FIELDS.get(command.op, {})
-    given = {names[name]: value for name, value in fields_of(command).items() if name in names}
-    places = given.pop("points", None) if command.op == "origin" else None
+    values = {names[name]: value for name, value in fields_of(command).items() if name in names}
+    places = values.pop("points", None) if command.op == "origin" else None
     if places:
-        given |= {"x": places[0][0], "y": places[0][1]}
-    return parse_operation({"op": command.op, **given})
+        values |= {"x": places[0][0], "y": places[0][1]}
+    return parse_operation({"op": command.op, **values})
 
 
 class Editing(Part, EditedFiles):
@@ -61,11 +61,13 @@ class Editing(Part, EditedFiles):
 
     commands = (MapEditCommand, MapHistoryCommand)
 
-    def __init__(self, host: ModelHost, given: ReferenceMap) -> None:
+    def __init__(self, host: ModelHost, reference: ReferenceMap) -> None:
         """Show a map. Raises :class:`LimitError` for one of more than :data:`MOST_CELLS` cells."""
-        self._host, self._given = host, given
-        geometry = _limited(given.geometry, host.limits())
-        self._edited = EditedMap(geometry, given.values, given.keepout, host.may_continue, speed=given.speed)
+        self._host, self._given = host, reference
+        geometry = _limited(reference.geometry, host.limits())
+        self._edited = EditedMap(
+            geometry, reference.values, reference.keepout, host.may_continue, speed=reference.speed
+        )
         self._map = GridLayer("map", "Map")
         self._keepout = GridLayer("keepout", "Keepout zones", "keepout")
         self._speed = GridLayer("speed_filter", "Speed limits", "speed")

@@ -52,12 +52,12 @@ async def _pieces(data: bytes) -> AsyncIterator[bytes]:
 
 @router.post("/{session_id}/edited-map", status_code=201)
 async def keep(
-    request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
+    request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, body: NewMap
 ) -> LogAnswer:
     """Keep the session's edited map with its edits as a new map of this visitor; return its record."""
-    files = await _edited(sessions.get(session_id)).files(file_stem(wanted.name))
+    files = await _edited(sessions.get(session_id)).files(file_stem(body.name))
     data = archived(files)
-    record = await library.put(visitor, wanted.name, _pieces(data), len(data), address=client_address(request))
+    record = await library.put(visitor, body.name, _pieces(data), len(data), address=client_address(request))
     return record.public()
 
 
@@ -84,14 +84,14 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
 
 @router.post("/{session_id}/kept-map", status_code=201)
 async def keep_present(
-    request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
+    request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, body: NewMap
 ) -> LogAnswer:
     """Keep the present map of a session, of a world or a log, as a new map of this visitor; return its record."""
     from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
     from mapper.editing.files import map_files  # noqa: PLC0415
 
     session = sessions.get(session_id)
-    stem, frame = file_stem(wanted.name), session.model.frame_id
+    stem, frame = file_stem(body.name), session.model.frame_id
 
     def work() -> bytes:
         grid = grid_of(session)
@@ -101,5 +101,5 @@ async def keep_present(
 
     async with session.settled():
         data = await session.on_thread(work)
-    record = await library.put(visitor, wanted.name, _pieces(data), len(data), address=client_address(request))
+    record = await library.put(visitor, body.name, _pieces(data), len(data), address=client_address(request))
     return record.public()

@@ -59,8 +59,8 @@ class LogLocalization(Part, Localized):
     def layers(self) -> tuple[Layer, ...]:
         """The reference map, and the particles while there are some."""
         is_on = self._report is not None or self._states is not None
-        given = () if self._map is None else (self._map,)
-        return (*given, self._particles) if is_on else given
+        maps = () if self._map is None else (self._map,)
+        return (*maps, self._particles) if is_on else maps
 
     @property
     def cells(self) -> int:
@@ -84,10 +84,10 @@ class LogLocalization(Part, Localized):
         )
 
     def _static_map(self) -> StaticMap:
-        given = self._given
-        if given is None:
+        reference = self._given
+        if reference is None:
             raise ConfigError("costmap.no_given_map", "There is no reference map: choose one in the group Localize.")
-        return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
+        return StaticMap(grid_of_values(reference.geometry, reference.values), reference.keepout, reference.speed)
 
     def handle(self, command: ShowReferenceMap | ShowFilterStates, result: TickResult) -> None:
         """Show a map, or the states of the filter that a trajectory comes with."""
@@ -99,11 +99,11 @@ class LogLocalization(Part, Localized):
         else:
             self.show_map(command.map)
 
-    def show_map(self, given: ReferenceMap) -> None:
+    def show_map(self, reference: ReferenceMap) -> None:
         """Write a map into its layer."""
-        self._given, self.is_on = given, True
+        self._given, self.is_on = reference, True
         self._map = self._map or GridLayer("given_map", "Map to localize in")
-        grid = grid_of_values(given.geometry, given.values)
+        grid = grid_of_values(reference.geometry, reference.values)
         self._map.update(grid, MappingConfig(), None, whole=True)
 
     def note(self, command: Struct, result: TickResult) -> None:

@@ -127,16 +127,14 @@ async def as_yaml(
 
 
 @router.put("/sessions/{session_id}/localization/map")
-async def map_of_log(
-    request: Request, library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog
-) -> ChosenMap:
+async def map_of_log(request: Request, library: Logs, sessions: Sessions, session_id: str, body: MapOfLog) -> ChosenMap:
     """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
     of_log = writable_session(sessions, session_id)
     _check_idle(library, of_log.owner, of_log.log_id)
-    made = await library.maps.of_log(
-        of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory, address=client_address(request)
+    reference = await library.maps.of_log(
+        of_log.owner, of_log.log_id, body.log, body.topic, body.trajectory, address=client_address(request)
     )
-    return _show(of_log.session, made)
+    return _show(of_log.session, reference)
 
 
 @router.put("/sessions/{session_id}/localization/map-files", openapi_extra=FILE_BODY)
@@ -154,12 +152,12 @@ async def map_of_files(
     of_log = writable_session(sessions, session_id)
     _check_idle(library, of_log.owner, of_log.log_id)
     try:
-        made = await library.choose_map(
+        reference = await library.choose_map(
             of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
         )
     except ClientDisconnect:
         return ChosenMap(None)  # the client has gone
-    return _show(of_log.session, made)
+    return _show(of_log.session, reference)
 
 
 @router.get("/sessions/{session_id}/localization/map")
@@ -175,7 +173,7 @@ async def reference_map(library: Logs, sessions: Sessions, session_id: str) -> C
 
 
 @router.post("/sessions/{session_id}/localization", status_code=202)
-async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewLocalization) -> LocalizationStatus:
+async def begin(library: Logs, sessions: Sessions, session_id: str, body: NewLocalization) -> LocalizationStatus:
     """Find the robot of the session's log in the map that was chosen, as a job, and show the poses so far.
 
     A job that is under way goes on, and the session follows it. The log then has a trajectory ``localized``.
@@ -183,8 +181,8 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewL
     of_log = writable_session(sessions, session_id)
     owner, log_id, session = of_log.owner, of_log.log_id, of_log.session
     await library.maps.get(owner, log_id)
-    view, values = of_log.recording.view(), LocalizationParameters(wanted.parameters, wanted.initial_pose)
-    request = LocalizationRequest(view.topic, wanted.odometry, view.cut, view.values, values)
+    view, values = of_log.recording.view(), LocalizationParameters(body.parameters, body.initial_pose)
+    request = LocalizationRequest(view.topic, body.odometry, view.cut, view.values, values)
     state = await library.localization.begin(owner, log_id, request)
     follow_localization(session, library, log_id)
     tell_at_end(library, sessions, library.localization, owner, log_id)
@@ -236,6 +234,6 @@ def _check_idle(library: Library, owner: str, log_id: str) -> None:
         raise MapperError("localization.under_way", "This log is being localized: wait, or cancel it.")
 
 
-def _show(session: SessionHost, given: ReferenceMap) -> ChosenMap:
-    session.enqueue(ShowReferenceMap(given))
-    return ChosenMap(given.public())
+def _show(session: SessionHost, reference: ReferenceMap) -> ChosenMap:
+    session.enqueue(ShowReferenceMap(reference))
+    return ChosenMap(reference.public())

@@ -116,9 +116,9 @@ async def parameters(_visitor: Visitor) -> ParameterTable:
 
 
 @router.post("/logs/{log_id}/slam", status_code=202)
-async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> SlamStatus:
+async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, body: NewSlam) -> SlamStatus:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(visitor, log_id, SlamRequest(**dict(wanted)))
+    state = await library.slam.begin(visitor, log_id, SlamRequest(**dict(body)))
     tell_at_end(library, sessions, library.slam, visitor, log_id)
     return state
 
@@ -137,7 +137,7 @@ async def cancel(library: Logs, visitor: Visitor, log_id: str) -> SlamStatus:
 
 @router.post("/sessions/{session_id}/heal", status_code=202)
 async def correct_poses(
-    library: Logs, sessions: Sessions, session_id: str, wanted: Annotated[PoseCorrection | None, Body()] = None
+    library: Logs, sessions: Sessions, session_id: str, body: Annotated[PoseCorrection | None, Body()] = None
 ) -> SlamStatus:
     """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
 
@@ -147,7 +147,7 @@ async def correct_poses(
     """
     session, recording = _recorded(sessions, session_id)
     owner, log_id = session.owner, recording.log_id
-    values = {} if wanted is None else wanted.parameters
+    values = {} if body is None else body.parameters
     view = recording.view()
     request = SlamRequest(topic=view.topic, parameters=values, cut=view.cut, mapping=view.values)
     state = await library.slam.begin(owner, log_id, request)
@@ -205,10 +205,10 @@ async def graph(library: Logs, sessions: Sessions, session_id: str) -> PresentGr
 
 @router.post("/sessions/{session_id}/graph")
 @guests_may(GuestRight.LINKED_SESSION)
-async def change(library: Logs, sessions: Sessions, session_id: str, wanted: ChangeOfGraph) -> PresentGraph:
+async def change(library: Logs, sessions: Sessions, session_id: str, body: ChangeOfGraph) -> PresentGraph:
     """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
     _, graphed, source = _graph(library, sessions, session_id)
-    return PresentGraph(await graphed.change(GraphChange(**wanted.model_dump()), source))
+    return PresentGraph(await graphed.change(GraphChange(**body.model_dump()), source))
 
 
 @router.get("/sessions/{session_id}/graph/edges/{edge}")
@@ -273,7 +273,7 @@ async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: 
 
 
 @router.post("/sessions/{session_id}/merge", status_code=202)
-async def begin_merge(library: Logs, sessions: Sessions, session_id: str, wanted: OtherLog) -> MergeStatus:
+async def begin_merge(library: Logs, sessions: Sessions, session_id: str, body: OtherLog) -> MergeStatus:
     """Begin to align the session's log and another one of the same place, as a job.
 
     Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
@@ -287,7 +287,7 @@ async def begin_merge(library: Logs, sessions: Sessions, session_id: str, wanted
 
     async def tell() -> None:
         with suppress(MapperError):  # a log was deleted meanwhile
-            for log_id in (first, wanted.log):
+            for log_id in (first, body.log):
                 await update_sessions(library, sessions, owner, log_id)
 
     def notify(report: MergeReport | None) -> None:
@@ -297,9 +297,9 @@ async def begin_merge(library: Logs, sessions: Sessions, session_id: str, wanted
         _tasks.add(task)
         task.add_done_callback(_tasks.discard)
 
-    cut = view.cut if wanted.cut is None else wanted.cut
-    mapping = view.values if wanted.mapping is None else wanted.mapping
-    request = MergeRequest(wanted.log, view.topic, wanted.topic, view.cut, cut, view.values, mapping)
+    cut = view.cut if body.cut is None else body.cut
+    mapping = view.values if body.mapping is None else body.mapping
+    request = MergeRequest(body.log, view.topic, body.topic, view.cut, cut, view.values, mapping)
     state = await library.merges.begin(owner, first, request)
     library.merges.listen(owner, first, notify)
     return state

@@ -42,13 +42,13 @@ async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, l
     from server.parts.volume.cloud_points import CloudPoints  # noqa: PLC0415
     from server.parts.volume.start import bounds_of  # noqa: PLC0415
 
-    given = await library.reference_map(owner, log_id)
-    if given is not None:
-        if given.values.size > MOST_CELLS:
+    reference = await library.reference_map(owner, log_id)
+    if reference is not None:
+        if reference.values.size > MOST_CELLS:
             raise LimitError(
-                "terrain.cells", f"The map has {given.values.size:,} cells; at most {MOST_CELLS:,} are used."
+                "terrain.cells", f"The map has {reference.values.size:,} cells; at most {MOST_CELLS:,} are used."
             )
-        return TerrainMap(log_id, given)
+        return TerrainMap(log_id, reference)
     record = library.get(owner, log_id)
     if record.summary is None or not record.summary.clouds:
         message = "This is a log: choose a cloud, or the map that gridbloom terrain has written."
@@ -71,7 +71,7 @@ async def terrain(
     sessions: Sessions,
     downloads: FileDownloads,
     session_id: str,
-    wanted: TerrainOfUpload,
+    body: TerrainOfUpload,
 ) -> ChosenMap:
     """Choose the terrain's layer of a log's costmap: a cloud of the library, or a map as ``gridbloom terrain`` writes.
 
@@ -81,7 +81,7 @@ async def terrain(
     """
     of_log = writable_session(sessions, session_id)
     terrain = None
-    if wanted.log is not None:
-        terrain = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
+    if body.log is not None:
+        terrain = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, body.log))
     of_log.session.enqueue(UseCosts(terrain))
     return ChosenMap(None if terrain is None else terrain.public())

@@ -53,9 +53,9 @@ class CloudPoints:
         """Return the points (n, 3), the bounds, and which points are ground, None where that is not known."""
         if self._scans is None:
             return np.empty((0, 3)), self._bounds, None
-        points, kept = self._inside()
+        points, rows = self._inside()
         ground = self._known_ground[1]
-        return points, self._bounds, None if ground is None else ground[kept]
+        return points, self._bounds, None if ground is None else ground[rows]
 
     def _inside(self) -> tuple[Float64Array, Int64Array]:
         """Return the points (n, 3) within the bounds, at most :data:`MOST_POINTS`, and their indices (n,)."""
@@ -65,8 +65,8 @@ class CloudPoints:
         points = self._scans.points[some]
         x0, y0, x1, y1 = self._bounds
         x, y = points[:, 0], points[:, 1]
-        kept = np.flatnonzero((x >= x0) & (x <= x1) & (y >= y0) & (y <= y1))
-        return points[kept].astype(np.float64), some[kept]
+        rows = np.flatnonzero((x >= x0) & (x <= x1) & (y >= y0) & (y <= y1))
+        return points[rows].astype(np.float64), some[rows]
 
     @cached_property
     def _known_ground(self) -> tuple[str | None, BoolArray | None]:

@@ -46,10 +46,10 @@ class VolumeComparison:
     def keep(self, now: ReplayedVolume) -> None:
         """Compare with a copy of a map as it is now."""
         self.end()
-        kept = ReplayedVolume(now.source, now.config, self._limits)
-        kept.volume.set_blocks(now.volume.blocks.codes.copy(), now.volume.values)
-        kept.index = kept.count  # it is not made again
-        self._map, self._title, self.is_stale = kept, f"the map of {now.index} scans", True
+        volume = ReplayedVolume(now.source, now.config, self._limits)
+        volume.volume.set_blocks(now.volume.blocks.codes.copy(), now.volume.values)
+        volume.index = volume.count  # it is not made again
+        self._map, self._title, self.is_stale = volume, f"the map of {now.index} scans", True
 
     def end(self) -> None:
         """Compare no more."""

@@ -50,11 +50,11 @@ class LabScans:
 
 
 class LabSurface:
-    """A surface of all recorded scans of ``made``, a part of them with each :meth:`catch_up`."""
+    """A surface of all recorded scans of ``volume``, a part of them with each :meth:`catch_up`."""
 
-    def __init__(self, made: LabVolume, limits: Callable[[], Limits]) -> None:
-        self._made, self._scans = made, made.scans
-        config = made.parameters.surface
+    def __init__(self, volume: LabVolume, limits: Callable[[], Limits]) -> None:
+        self._made, self._scans = volume, volume.scans
+        config = volume.parameters.surface
         self.surface = VolumeSurface(
             LabScans(self._scans), config.resolution, lambda: lab_limits(limits()), snapshot_bytes=0
         )

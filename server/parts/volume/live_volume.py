@@ -82,9 +82,9 @@ class LabVolume:
         self.world = world
         self.scans.append(Scan3D(sensor, measure_3d(world, sensor, pose, self._noise), believed, now))
         if sum(len(scan.ranges) for scan in self.scans) > MOST_READINGS:
-            kept = range(len(self.scans) - 1, -1, -2)[::-1]
-            self.used = sum(i < self.used for i in kept)
-            self.scans = [self.scans[i] for i in kept]
+            scans = range(len(self.scans) - 1, -1, -2)[::-1]
+            self.used = sum(i < self.used for i in scans)
+            self.scans = [self.scans[i] for i in scans]
         return True
 
     def catch_up(self, limits: Limits) -> list[np.ndarray]:

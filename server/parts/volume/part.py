@@ -157,11 +157,11 @@ class VolumeView(Part, Volumetric, DepthSensing):
         """
         result.changed = True
         if not isinstance(command, Map3dCommand):
-            made = self._made()
+            lab = self._made()
             if self._surface is not None:
                 self._surface.surface.ask(command, self._host, self._chosen, result)
                 return
-            self._questions.handle(command, made, lambda: self._rule(made), result)
+            self._questions.handle(command, lab, lambda: self._rule(lab), result)
             return
         if not command.value:
             self.end(result)
@@ -182,18 +182,18 @@ class VolumeView(Part, Volumetric, DepthSensing):
         self._since = SCANS_OF_PROJECTION
         result.slot(self.message())
 
-    def _show_kind(self, made: LabVolume, result: TickResult) -> None:
+    def _show_kind(self, lab: LabVolume, result: TickResult) -> None:
         """Begin, change or end the surface as the parameters say."""
-        if not made.parameters.is_surface:
+        if not lab.parameters.is_surface:
             if self._surface is not None:
-                self._choose_none(made, result)
+                self._choose_none(lab, result)
                 self._surface = None
             return
         if self._surface is None:
-            self._choose_none(made, result)
-            self._surface = LabSurface(made, self._host.limits)
-        elif self._surface.change(made.parameters):
-            self._choose_none(made, result)
+            self._choose_none(lab, result)
+            self._surface = LabSurface(lab, self._host.limits)
+        elif self._surface.change(lab.parameters):
+            self._choose_none(lab, result)
         result.slot(self._surface.message())
 
     def _made(self) -> LabVolume:
@@ -207,20 +207,20 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
     def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
         """Return where a line of sight meets the surface, or the voxels, that are shown."""
-        made = self._made()
+        lab = self._made()
         if self._surface is not None:
             return self._surface.surface.met(origin, direction)
-        return place_met(made, self._rule(made), (np.array(origin), np.array(direction)), None)
+        return place_met(lab, self._rule(lab), (np.array(origin), np.array(direction)), None)
 
     def clipped(self, handle: str, position: Point) -> Map3dCommand | None:
         """Return the command that moves a face of the clip box with its handle."""
-        made = self._made()
-        values = self._clip_box(made).moved(made.parameters.look, handle, position)
+        lab = self._made()
+        values = self._clip_box(lab).moved(lab.parameters.look, handle, position)
         return None if values is None else Map3dCommand(values=values)
 
     @staticmethod
-    def _clip_box(made: LabVolume) -> ClipBox:
-        x0, y0, x1, y1 = made.world.bounds
+    def _clip_box(lab: LabVolume) -> ClipBox:
+        x0, y0, x1, y1 = lab.world.bounds
         return ClipBox(np.array([x0, y0, LOWEST]), np.array([x1, y1, HIGHEST]))
 
     def newest_depths(self) -> tuple[Float32Array, float] | None:
@@ -231,25 +231,25 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the map as a file ``.bt`` or ``.ot``. Raises :class:`ConfigError` where there is none."""
-        made = self._made()
-        return octree_file(Octree.of(made.volume), kind, made.config).bytes(made.config)
+        lab = self._made()
+        return octree_file(Octree.of(lab.volume), kind, lab.config).bytes(lab.config)
 
     def mesh_bytes(self, kind: str) -> bytes:
         """Return what is shown as a file ``.ply`` or ``.glb``: the outside of the occupied voxels, or the surface.
 
         Raises as the octree's.
         """
-        made = self._made()
+        lab = self._made()
         if self._surface is not None:
             return self._surface.surface.file(kind, self._surface.index)
-        mesh = voxel_mesh(made.volume)
+        mesh = voxel_mesh(lab.volume)
         return ply_bytes(mesh) if kind == ".ply" else glb_bytes(mesh)
 
     def selection_bytes(self) -> bytes:
         """Return the centres of the drawn voxels as a file ``.ply``. Raises as the octree's."""
-        made = self._made()
-        centres = centres_of(made.volume.voxels(float(made.config.log_odds_occupied))[0], made.config.resolution)
-        return points_ply(centres[made.parameters.look.shows(centres)], {}, np.zeros(3))
+        lab = self._made()
+        centres = centres_of(lab.volume.voxels(float(lab.config.log_odds_occupied))[0], lab.config.resolution)
+        return points_ply(centres[lab.parameters.look.shows(centres)], {}, np.zeros(3))
 
     @property
     def above(self) -> OccupancyGrid | None:
@@ -279,9 +279,9 @@ class VolumeView(Part, Volumetric, DepthSensing):
             self._since = SCANS_OF_PROJECTION
             result.slot(self.message())
 
-    def _choose_none(self, made: LabVolume, result: TickResult) -> None:
+    def _choose_none(self, lab: LabVolume, result: TickResult) -> None:
         if self._chosen.drawings:
-            self._questions.clear(made.config.resolution, result)
+            self._questions.clear(lab.config.resolution, result)
             if self._surface is not None:
                 result.slot(self._surface.surface.no_voxel())
 
@@ -295,27 +295,27 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
     def changed(self, result: TickResult) -> None:
         """Take a scan if one is due, put scans into the map, and update what is shown."""
-        made = self._map
-        if made is None:
+        lab = self._map
+        if lab is None:
             return
-        mapper, problem = self._mapper, made.problem
+        mapper, problem = self._mapper, lab.problem
         simulation = mapper.simulation
         if not mapper.hidden:
-            made.look(simulation.world, simulation.robot.pose, mapper.believed_now, simulation.time)
-        for slots in made.catch_up(self._host.limits()):
-            self._dirty.update(chunks_of(made.volume, slots))
+            lab.look(simulation.world, simulation.robot.pose, mapper.believed_now, simulation.time)
+        for slots in lab.catch_up(self._host.limits()):
+            self._dirty.update(chunks_of(lab.volume, slots))
             self._since += 1
-        if made.problem is not None and problem is None:
-            result.notice(made.problem.code, made.problem.message)
-        if self._since >= SCANS_OF_PROJECTION and not made.is_behind:
+        if lab.problem is not None and problem is None:
+            result.notice(lab.problem.code, lab.problem.message)
+        if self._since >= SCANS_OF_PROJECTION and not lab.is_behind:
             self._since = 0
-            self._project(made)
+            self._project(lab)
             result.changed = True
             result.slot(self.message())
         if self._surface is not None:
             self._make_surface(self._surface, result)
         elif self._is_drawn and self._dirty:
-            self._make_faces(made)
+            self._make_faces(lab)
         self._is_drawn = False
 
     def _make_surface(self, surface: LabSurface, result: TickResult) -> None:
@@ -327,29 +327,29 @@ class VolumeView(Part, Volumetric, DepthSensing):
             result.changed = True
             result.slot(surface.message())
 
-    def _project(self, made: LabVolume) -> None:
-        self.projection = made.projection()
+    def _project(self, lab: LabVolume) -> None:
+        self.projection = lab.projection()
         states, self._missing = only_in_3d(self.projection, self._mapper.grid)
         self._only.set_bytes(self.projection.geometry, states)
-        if made.used < self._memory_at or made.used - self._memory_at >= SCANS_OF_MEMORY or self._memory_at < 0:
-            self._memory, self._memory_at = made.memory(), made.used
+        if lab.used < self._memory_at or lab.used - self._memory_at >= SCANS_OF_MEMORY or self._memory_at < 0:
+            self._memory, self._memory_at = lab.memory(), lab.used
 
-    def _rule(self, made: LabVolume) -> FaceRule:
+    def _rule(self, lab: LabVolume) -> FaceRule:
         """Return which faces of voxels are drawn."""
-        look = made.parameters.look
+        look = lab.parameters.look
         return face_rule(
-            made.volume, look.low, look.high, base=0.0, band=HIGHEST / BANDS, colours=BANDS,
-            by_belief=made.parameters.values["colour"] == "belief",
+            lab.volume, look.low, look.high, base=0.0, band=HIGHEST / BANDS, colours=BANDS,
+            by_belief=lab.parameters.values["colour"] == "belief",
         )  # fmt: skip
 
-    def _make_faces(self, made: LabVolume) -> None:
+    def _make_faces(self, lab: LabVolume) -> None:
         dirty, self._dirty = self._dirty, set()
-        by_normal = made.parameters.values["colour"] == "normal"
+        by_normal = lab.parameters.values["colour"] == "normal"
         painted: Painted | None = None
         if by_normal:
-            parts = (painted_directions(made.volume, key) for key in dirty)
+            parts = (painted_directions(lab.volume, key) for key in dirty)
             painted = {key: directions for part in parts for key, directions in part.items()}
-        if self._faces.update(made.volume, self._rule(made), dirty, painted=painted):
+        if self._faces.update(lab.volume, self._rule(lab), dirty, painted=painted):
             self._voxels = dict(self._faces.chunks)
         self._palette = NORMAL_COLOURS if by_normal else PALETTE  # changes with the chunks
 
@@ -361,28 +361,28 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
     def message(self) -> Map3dMessage:
         """Return the message ``map3d``."""
-        made = self._map
+        lab = self._map
         nothing = {"known": 0, "nodes": 0, "leaves": 0, "octree_bytes": 0, "block_bytes": 0, "dense_bytes": 0}
         return Map3dMessage(
-            is_on=made is not None,
-            values=dict((VolumeParameters() if made is None else made.parameters).values),
-            scans=0 if made is None else made.used,
-            taken=0 if made is None else len(made.scans),
+            is_on=lab is not None,
+            values=dict((VolumeParameters() if lab is None else lab.parameters).values),
+            scans=0 if lab is None else lab.used,
+            taken=0 if lab is None else len(lab.scans),
             only_in_3d=self._missing,
-            problem=None if made is None or made.problem is None else made.problem.message,
+            problem=None if lab is None or lab.problem is None else lab.problem.message,
             **(self._memory or nothing),
         )
 
     def over(self, flat: list[Drawing]) -> list[Drawing]:
         """Return the voxels, the newest scan, and of ``flat`` the robot (event loop, between two ticks)."""
-        made = self._map
-        if made is None:
+        lab = self._map
+        if lab is None:
             return flat
         self._is_drawn = True
         surface = self._surface
         if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
             self._host.enqueue(Map3dCommand())  # no tick would make the faces otherwise
-        size, look = made.parameters.config.resolution, made.parameters.look
+        size, look = lab.parameters.config.resolution, lab.parameters.look
         drawings = [value for value in flat if not isinstance(value, GridColumns)]
         drawings.append(
             Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
@@ -390,9 +390,9 @@ class VolumeView(Part, Volumetric, DepthSensing):
             else surface.drawing(look)
         )
         if (look.low, look.high, look.cut_handles) != (_AT_FIRST.low, _AT_FIRST.high, _AT_FIRST.cut_handles):
-            drawings += self._clip_box(made).drawings(look)
-        if made.scans:
-            scan = made.scans[-1]
+            drawings += self._clip_box(lab).drawings(look)
+        if lab.scans:
+            scan = lab.scans[-1]
             points = scan.ends()[0][np.isfinite(scan.ranges)]
             some = points[sample_rows(len(points), MOST_POINTS)].astype(np.float32)
             drawings.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))

@@ -100,9 +100,9 @@ class VolumeSurface:
         """Whether chunks are to be meshed again."""
         return self._chunks.pending > 0
 
-    def set_values(self, wanted: Mapping[str, Any]) -> bool:
+    def set_values(self, values: Mapping[str, Any]) -> bool:
         """Use other parameters; return whether the surface has to be made again. Raises :class:`ConfigError`."""
-        config = with_values(self.config, wanted)
+        config = with_values(self.config, values)
         self.replayed  # noqa: B018 - raises where there is none
         return self.use(config)
 
@@ -261,7 +261,7 @@ class VolumeSurface:
         if isinstance(command, VoxelRayCommand):
             place = first_surface(self.replayed.volume, np.array(command.origin), np.array(command.direction))
         else:
-            place = None if (given := place_of(command)) is None else np.array(given)
+            place = None if (place_xyz := place_of(command)) is None else np.array(place_xyz)
         if place is None:
             return None
         keys, inside = keys_of(place[None].astype(np.float32), self.config.resolution)

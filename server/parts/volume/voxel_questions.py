@@ -161,10 +161,10 @@ def point_in(
 
 def _key_at(command: VoxelCommand, now: AskedMap) -> Int64Array | None:
     """Return the key of the voxel at the place of a command; None for a command without one."""
-    given = place_of(command)
-    if given is None:
+    picked = place_of(command)
+    if picked is None:
         return None
-    place: Float64Array = np.array(given)
+    place: Float64Array = np.array(picked)
     keys, inside = keys_of(place[None].astype(np.float32), now.config.resolution)
     if not inside[0]:
         raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map’s lattice.")

@@ -246,10 +246,10 @@ def thinned(log_odds: NDArray[np.float32]) -> list[tuple[int, float]]:
     Of each stretch the minimum and the maximum are kept, so that no peak is lost.
     """
     if len(log_odds) <= 2 * STRETCHES:
-        kept = np.arange(len(log_odds))
+        rows = np.arange(len(log_odds))
     else:
         edges = np.linspace(0, len(log_odds) - 1, STRETCHES, dtype=np.int64)
         pairs = zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)
         ends = [(a + int(log_odds[a:b].argmin()), a + int(log_odds[a:b].argmax())) for a, b in pairs]
-        kept = np.unique([*(i for pair in ends for i in pair), len(log_odds) - 1])
-    return [(i + 1, round(value, 4)) for i, value in zip(kept.tolist(), log_odds[kept].tolist(), strict=True)]
+        rows = np.unique([*(i for pair in ends for i in pair), len(log_odds) - 1])
+    return [(i + 1, round(value, 4)) for i, value in zip(rows.tolist(), log_odds[rows].tolist(), strict=True)]

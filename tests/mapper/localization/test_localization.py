@@ -178,7 +178,7 @@ def test_a_localization_can_be_cancelled_and_tells_how_far_it_is():
     grid, log = office()
     shares: list[float] = []
     with pytest.raises(WorkCancelledError):
-        localize_log(log, grid, FEW, progress=shares.append, wanted=lambda: len(shares) < 3)
+        localize_log(log, grid, FEW, progress=shares.append, may_continue=lambda: len(shares) < 3)
     assert len(shares) == 3
     assert shares == sorted(shares)
 

@@ -141,4 +141,4 @@ def test_of_several_lidars_each_scan_by_its_own_beams(log: ScanLog) -> None:
 
 def test_the_computation_ends_when_it_is_not_wanted(log: ScanLog) -> None:
     with pytest.raises(WorkCancelledError):
-        map_series(log, MappingConfig(), wanted=lambda: False)
+        map_series(log, MappingConfig(), may_continue=lambda: False)

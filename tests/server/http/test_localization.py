@@ -20,7 +20,6 @@ from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
 from server.library.packs.filter_states import read_filter_states
-from server.library.processing import localization, reference_maps
 from server.parts.costmap.part import CostmapPart
 from server.parts.localization.logged import LogLocalization
 from server.parts.wire import command_of
@@ -51,9 +50,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
             return made[-1]
 
         patch.setattr("server.library.library.worker_at", first_a_real_one)
-        patch.setattr("server.library.processing.localization.do_localize_job", localization._localize)
         patch.setattr("server.library.processing.localization.EVERY_S", 0.0)
-        patch.setattr("server.library.processing.reference_maps.do_reference_map_job", reference_maps._made)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 

@@ -35,7 +35,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
             return made[-1]
 
         patch.setattr("server.library.library.worker_at", first_a_real_one)
-        patch.setattr("server.library.processing.merging.do_merge_job", stand_ins.quick_merge)
+        patch.setattr("server.library.processing.merging.MergeJob.compute", stand_ins.quick_merge)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 
@@ -93,7 +93,7 @@ def test_a_merge_has_the_mount_of_the_map(
         mounts.extend(log_in(pack).mount for pack in (job.first, job.second))
         return stand_ins.quick_merge(job)
 
-    monkeypatch.setattr("server.library.processing.merging.do_merge_job", look)
+    monkeypatch.setattr("server.library.processing.merging.MergeJob.compute", look)
     seen = LogRecording.view
 
     def with_mount(recording: LogRecording) -> LogView:
@@ -120,7 +120,7 @@ def test_what_cannot_be_merged_is_said(
     address = f"/api/sessions/{session}/merge"
     assert http.post(address, json={"log": logs[0]}).json()["code"] == "merge.same"
     assert http.post(address, json={"log": "nothing"}).status_code == 404
-    monkeypatch.setattr("server.library.processing.merging.do_merge_job", apart)
+    monkeypatch.setattr("server.library.processing.merging.MergeJob.compute", apart)
     http.post(address, json={"log": logs[1]})
     assert ended(http, session)["error"] == {
         "code": "merge.apart", "message": "The two logs do not show the same place."
@@ -132,7 +132,7 @@ def test_what_cannot_be_merged_is_said(
 
 
 def test_a_merge_is_cancelled(service: Service, logs: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.library.processing.merging.do_merge_job", stand_ins.endless_merge)
+    monkeypatch.setattr("server.library.processing.merging.MergeJob.compute", stand_ins.endless_merge)
     session = service.begin(kind="log", log=logs[1], playing=False)
     address = f"/api/sessions/{session}/merge"
     service.http.post(address, json={"log": logs[0]})
@@ -154,7 +154,7 @@ def test_scans_are_cut_as_in_the_session(
     http, low = service.http, {"min_height": 0.3}
     session = service.begin(kind="log", log=logs[0], cut=low, playing=False)
     monkeypatch.setattr(Library, "load", seen)
-    monkeypatch.setattr("server.library.processing.merging.do_merge_job", apart)
+    monkeypatch.setattr("server.library.processing.merging.MergeJob.compute", apart)
     address = f"/api/sessions/{session}/merge"
     assert http.post(address, json={"log": logs[1], "cut": {"height": 1.0}}).status_code in (400, 422)
     http.post(address, json={"log": logs[1]})

@@ -268,7 +268,7 @@ def test_each_puzzle_has_a_picture_and_nothing_else_does() -> None:
     ["bumped", "offset", "torn", "cones", *also_long(*sorted(RECIPES.keys() - {"bumped", "offset", "torn", "cones"}))],
 )
 def test_the_picture_of_a_puzzle_is_what_is_drawn_now(name: str) -> None:
-    """If not: ``python -m server.puzzles.draw_pictures``."""
+    """If not: ``python -m server.puzzles.pictures``."""
     codes = np.asarray(Image.open(FOLDER / f"{name}.png"))
     now = codes_of(name)
     assert codes.shape == now.shape

@@ -27,7 +27,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
             return made[-1]
 
         patch.setattr("server.library.library.worker_at", first_a_real_one)
-        patch.setattr("server.library.processing.slam.do_slam_job", stand_ins.quick)
+        patch.setattr("server.library.processing.slam.SlamJob.compute", stand_ins.quick)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 
@@ -126,7 +126,7 @@ def test_a_job_has_the_parameters_that_it_is_begun_with(service: Service, monkey
         given.append(job.parameters)
         return stand_ins.quick(job)
 
-    monkeypatch.setattr("server.library.processing.slam.do_slam_job", noted)
+    monkeypatch.setattr("server.library.processing.slam.SlamJob.compute", noted)
     http = service.http
     table = {row["name"]: row for row in http.get("/api/slam/parameters").json()["table"]}
     assert table["loop_window"]["unit"] == "m"
@@ -150,7 +150,7 @@ def test_after_a_cancelled_job_the_map_is_the_one_from_before(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     http = service.http
-    monkeypatch.setattr("server.library.processing.slam.do_slam_job", stand_ins.endless)
+    monkeypatch.setattr("server.library.processing.slam.SlamJob.compute", stand_ins.endless)
     log_id = http.put("/api/logs", params={"name": "other.log"}, content=carmen(7)).json()["id"]
     once_read(http, log_id)
     session = service.begin(kind="log", log=log_id, playing=False)
@@ -172,7 +172,7 @@ def test_a_session_that_is_begun_during_the_job_follows_it(service: Service, mon
         may_end.wait(PATIENCE_S)
         return stand_ins.quick(job)
 
-    monkeypatch.setattr("server.library.processing.slam.do_slam_job", slow)
+    monkeypatch.setattr("server.library.processing.slam.SlamJob.compute", slow)
     http = service.http
     log = http.put("/api/logs", params={"name": "again.log"}, content=carmen(6) + b"# again\n").json()["id"]
     once_read(http, log)

@@ -11,7 +11,7 @@ from typing import Any, cast
 import pytest
 
 from server.jobs.outcome import outcome_of
-from server.jobs.process import WorkerJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.workers import Worker
 
 
@@ -33,7 +33,7 @@ class Process:
 
 
 class Job:
-    timeout_s = 3600.0
+    limits = JobLimits()
 
 
 async def test_the_end_of_a_cancelled_jobs_process_is_no_error_of_the_loop() -> None:
@@ -44,7 +44,9 @@ async def test_the_end_of_a_cancelled_jobs_process_is_no_error_of_the_loop() -> 
     async def look() -> None:
         looked.set()
 
-    following = asyncio.ensure_future(outcome_of(cast("Worker", process), cast("WorkerJob[None]", Job()), "read", look))
+    following = asyncio.ensure_future(
+        outcome_of(cast("Worker", process), cast("BoundedJob[None]", Job()), "read", look)
+    )
     await looked.wait()
     following.cancel()
     with pytest.raises(asyncio.CancelledError):

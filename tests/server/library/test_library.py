@@ -125,7 +125,7 @@ async def test_delete_leaves_nothing_and_open_logs_go_on(library: Library, setti
 async def test_delete_while_the_log_is_queued_or_read(
     make_library: Callable[..., Library], settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.processing.reading.Job.do", bad_readers.instead(bad_readers.sleep))
     library = make_library(own_reader=True)
     await library.start()
     records = [await library.put("ann", "x", in_pieces(data)) for data in (bad_readers.BAD, carmen(20), carmen(21))]
@@ -213,7 +213,7 @@ async def test_a_gzip_bomb_is_stopped(library: Library) -> None:
 async def test_a_killed_worker_fails_its_own_job_only(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.processing.reading.Job.do", bad_readers.instead(bad_readers.sleep))
     library = make_library(own_reader=True)
     await library.start()
     first = await library.put("ann", "first", in_pieces(bad_readers.BAD))

@@ -141,9 +141,9 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
             return stand_ins.FACTS
         return stand_ins.quick(job) if isinstance(job, SlamJob) else stand_ins.quick_merge(job)
 
-    monkeypatch.setattr("server.library.processing.slam.do_slam_job", quickly)
-    monkeypatch.setattr("server.library.processing.merging.do_merge_job", quickly)
-    monkeypatch.setattr("server.library.processing.fleet.fleet_job.do_fleet_job", quickly)
+    monkeypatch.setattr("server.library.processing.slam.SlamJob.compute", quickly)
+    monkeypatch.setattr("server.library.processing.merging.MergeJob.compute", quickly)
+    monkeypatch.setattr("server.library.processing.fleet.fleet_job.FleetJob.compute", quickly)
     for library in (two.first, two.second):
         for queue in (library.slam, library.merges, library.fleet):
             monkeypatch.setattr(queue, "_make_worker", stand_ins.ThreadWorker)
@@ -190,7 +190,7 @@ async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_o
         given.append(read_reference_map(Path(job.given)))
         raise ConfigError("test.enough", "This is enough.")
 
-    monkeypatch.setattr("server.library.processing.localization.do_localize_job", quickly)
+    monkeypatch.setattr("server.library.processing.localization.LocalizeJob.compute", quickly)
     for library in (two.first, two.second):
         monkeypatch.setattr(library.localization, "_make_worker", stand_ins.ThreadWorker)
     record = await two.first.put("ann", "a.log", chunks(carmen(9)))

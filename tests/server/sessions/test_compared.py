@@ -18,7 +18,7 @@ from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.sessions import LogView, SessionRegistry
-from server.sessions.view import Wanted
+from server.sessions.view import MapRequest
 from tests.server.begin import new_log
 from tests.server.service import Service, Watcher, eventually, running, settings_for
 from tests.server.sessions.test_log import whole_map
@@ -36,7 +36,7 @@ async def test_map_a_keeps_its_parameters_while_those_of_b_change(
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
     kept = session.model.config
-    await session.model.comparison.compare(Wanted(asdict(kept), session.model.recording.trajectory))
+    await session.model.comparison.compare(MapRequest(asdict(kept), session.model.recording.trajectory))
     _, found = await session.model.comparison.compared()
     assert found.max_difference == 0.0
     await obey(session, type="parameters", values={"log_odds_hit": 0.4, "window": 0.2})
@@ -58,7 +58,7 @@ async def test_another_trajectory_follows_all_parameters(
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
     wheel = next(name for name in office_log.trajectories if name != session.model.recording.trajectory)
-    await session.model.comparison.compare(Wanted({}, wheel))
+    await session.model.comparison.compare(MapRequest({}, wheel))
     for values in ({"update": "per_scan"}, {"resolution": 0.1}):
         await obey(session, type="parameters", values=values)
         other = session.model.comparison.explained()[0]
@@ -77,7 +77,7 @@ async def test_maps_without_a_common_lattice_are_shown_with_the_reason(
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
     client = session.join()
-    await session.model.comparison.compare(Wanted(asdict(session.model.config), session.model.recording.trajectory))
+    await session.model.comparison.compare(MapRequest(asdict(session.model.config), session.model.recording.trajectory))
     await obey(session, type="parameters", values={"resolution": 0.1})
     with pytest.raises(MapperError, match=r"A has cells of 0\.05 m and B of 0\.1 m") as error:
         await session.model.comparison.compared()
@@ -93,14 +93,14 @@ async def test_a_bad_wish_changes_nothing_and_the_newest_wins(
     session = await at_its_end(registry, obey, office_log)
     with pytest.raises(MapperError, match="no comparison"):
         await session.model.comparison.compared()
-    await session.model.comparison.compare(Wanted({"window": 0.2}))
-    for wanted in (Wanted({"window": 9.0}), Wanted({}, "no such poses"), Wanted({"no such": 1})):
+    await session.model.comparison.compare(MapRequest({"window": 0.2}))
+    for wanted in (MapRequest({"window": 9.0}), MapRequest({}, "no such poses"), MapRequest({"no such": 1})):
         with pytest.raises(ConfigError):
             await session.model.comparison.compare(wanted)
         told, _ = await session.model.comparison.compared()
         assert told.values == {"window": 0.2}
     done = await asyncio.gather(
-        *(session.model.comparison.compare(Wanted({"window": w})) for w in (0.3, 0.4, 0.5)), return_exceptions=True
+        *(session.model.comparison.compare(MapRequest({"window": w})) for w in (0.3, 0.4, 0.5)), return_exceptions=True
     )
     assert done[2] is None
     assert [getattr(one, "code", None) for one in done[:2]] == ["compare.superseded"] * 2
@@ -118,7 +118,7 @@ async def test_a_map_that_grows_too_large_for_either_changes_neither(
     cells = int(whole_map(office_log, MappingConfig()).log_odds.size)
     registry = make_registry(max_cells=3 * cells, max_total_cells=3 * cells)
     session = await at_its_end(registry, obey, office_log)
-    await session.model.comparison.compare(Wanted())
+    await session.model.comparison.compare(MapRequest())
     before = session.model.config
     await obey(session, type="parameters", values={"resolution": 0.03})
     assert session.model.config == before

@@ -66,7 +66,7 @@ def test_switched_on_later_it_gives_the_same_poses_and_can_be_interrupted() -> N
     early = driven(12.0, HEALED)
     late = driven(12.0, Faults(drift=True))
     asked = iter([True] * 3 + [False])
-    late.wanted = lambda: next(asked, True)
+    late.may_continue = lambda: next(asked, True)
     with pytest.raises(WorkCancelledError):
         late.set_up(late.config, HEALED)
     assert late.faults == Faults(drift=True)

@@ -85,11 +85,11 @@ def test_a_change_of_the_sensor_that_is_cancelled_has_no_effect(monkeypatch: pyt
     mapper.set_sensor(SensorConfig(n_beams=60))
     mapper.advance(0.5)
     sensor, grid, recordings = mapper.simulation.sensor, mapper.grid, [*mapper.recordings]
-    mapper.wanted = lambda: False
+    mapper.may_continue = lambda: False
     with pytest.raises(WorkCancelledError):
         mapper.set_sensor(SensorConfig(n_beams=90))  # one recording too many: the map is made again
     assert (mapper.simulation.sensor, mapper.grid is grid, mapper.recordings) == (sensor, True, recordings)
-    mapper.wanted = lambda: True
+    mapper.may_continue = lambda: True
     mapper.advance(1.0)
     assert [log.n_beams for log in mapper.logs()] == [360, 60]
 

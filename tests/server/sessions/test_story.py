@@ -63,7 +63,7 @@ def test_a_story_of_many_edits_is_replayed_in_short_slices(monkeypatch: pytest.M
         done.clear()
         return True
 
-    replayed(edits(30), wanted=wanted)
+    replayed(edits(30), may_continue=wanted)
     assert max(len(slice_) for slice_ in asked[1:]) == 1  # the first holds the two seconds of every world's beginning
     assert sum(slice_.count("edit") for slice_ in asked) == 30
 
@@ -78,7 +78,7 @@ def test_a_story_that_is_not_wanted_any_more_ends(at: int) -> None:
         return asked <= at
 
     with pytest.raises(WorkCancelledError):
-        replayed(edits(30), wanted=wanted)
+        replayed(edits(30), may_continue=wanted)
     assert asked <= at + 30  # those of the world's beginning, whose time passes in any case
 
 

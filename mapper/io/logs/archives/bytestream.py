@@ -103,16 +103,16 @@ class ByteStream:
         Memory grows with what is there, not with ``n``.
         """
         if self._start + n <= len(self._held):  # most reads are small
-            taken = self._held[self._start : self._start + n]
+            data = self._held[self._start : self._start + n]
             self._start += n
         else:
-            taken = self._gathered(n)
-        if len(taken) > self._limits.max_chunk_bytes:
+            data = self._gathered(n)
+        if len(data) > self._limits.max_chunk_bytes:
             raise self._too_large()
-        self.at += len(taken)
+        self.at += len(data)
         if self.crc is not None:
-            self.crc = zlib.crc32(taken, self.crc)
-        return taken
+            self.crc = zlib.crc32(data, self.crc)
+        return data
 
     def _gathered(self, n: int) -> bytes:
         parts = [self._held[self._start :]]
@@ -140,10 +140,10 @@ class ByteStream:
 
     def skip(self, n: int) -> int:
         """Pass over ``n`` bytes; return how many there were. Of a plain file many bytes are not read."""
-        held = len(self._held) - self._start
-        if self._plain is not None and n - held >= WORTH_A_JUMP:
+        buffered = len(self._held) - self._start
+        if self._plain is not None and n - buffered >= WORTH_A_JUMP:
             self._held, self._start = b"", 0
-            done = held + self._plain.skip(n - held)
+            done = buffered + self._plain.skip(n - buffered)
             self.at += done
             self.crc = None
             return done

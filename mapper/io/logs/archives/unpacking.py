@@ -166,5 +166,5 @@ class _Readable:
             self._held = next(self._pieces, b"")
             if not self._held:
                 return b""
-        taken, self._held = self._held[:n], self._held[n:]
-        return taken
+        data, self._held = self._held[:n], self._held[n:]
+        return data

@@ -77,8 +77,8 @@ class Container:
                 raise
             except ReadError as error:
                 recording.notes.append(f"It is left out: {error.message}")
-            said = recording.notes[before : max(before, MAX_NOTES)]
-            recording.notes[before:] = [f"{file.name}: {note}" for note in said]
+            new_notes = recording.notes[before : max(before, MAX_NOTES)]
+            recording.notes[before:] = [f"{file.name}: {note}" for note in new_notes]
             topics = recording.topics_of_file
             if by_name and common and topics and not common & topics:
                 raise ReadError(

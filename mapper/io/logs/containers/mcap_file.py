@@ -233,14 +233,14 @@ class _Mcap:
         once, as they say which messages are read.
         """
         section = Section(self.stream, head.data_bytes)
-        wanted: list[bytes] = []
-        held = 0
+        records: list[bytes] = []
+        size = 0
         is_cut = is_damaged = False
         try:
             for message in self._wanted_of(section):
-                wanted.append(message)
-                held += len(message)
-                if held > self.limits.max_chunk_bytes:
+                records.append(message)
+                size += len(message)
+                if size > self.limits.max_chunk_bytes:
                     raise LimitError(
                         "log.chunk_too_large",
                         f"The chunk at byte {head.at} has more than the limit of {self.limits.max_chunk_bytes} bytes.",
@@ -254,7 +254,7 @@ class _Mcap:
         if not is_cut and section.crc is not None and head.crc not in (0, section.crc):
             self._note_checksum(head)
             return
-        for message in wanted:
+        for message in records:
             self._content(Opcode.MESSAGE, message, 0, len(message))
         if is_cut:
             raise CutError

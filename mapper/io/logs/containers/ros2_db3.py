@@ -313,7 +313,7 @@ def _take_all(
             if form != "cdr" and len(recording.notes) < MAX_NOTES:
                 what = f"{printable(str(kind)[:100])} on {printable(str(name)[:100])}"
                 recording.notes.append(f"{what}: the messages are encoded as {str(form)!r:.40}, and only cdr is read.")
-    wanted = ",".join(str(key) for key in keys if recording.wants(key))
+    topic_ids = ",".join(str(key) for key in keys if recording.wants(key))
     last = 1
     with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
         last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
@@ -323,7 +323,7 @@ def _take_all(
     read = 0
     cursor = connection.execute(
         "SELECT rowid, topic_id, timestamp, length(data), "  # noqa: S608 - the ids are whole numbers, and as such here
-        f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
+        f"CASE WHEN topic_id IN ({topic_ids}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
     )
     for index, (row, key, stamp, size, data) in enumerate(cursor):
         read += 5 + (len(data) if isinstance(data, bytes | str) else 0)

@@ -169,10 +169,10 @@ class _Grouping:
         _, group_of_scan = np.unique(keys, axis=0, return_inverse=True)
         group_of_scan = group_of_scan.reshape(-1)
         counts = np.bincount(group_of_scan)
-        made = [self._group(np.flatnonzero(group_of_scan == k), ranges) for k in np.argsort(-counts, kind="stable")]
-        if len(made) > 1:
-            self.notes.append(self._note_on_groups(made))
-        return made, self.notes
+        groups = [self._group(np.flatnonzero(group_of_scan == k), ranges) for k in np.argsort(-counts, kind="stable")]
+        if len(groups) > 1:
+            self.notes.append(self._note_on_groups(groups))
+        return groups, self.notes
 
     def _padded(self) -> NDArray[np.float32]:
         """Return all readings (n_scans, most beams), NaN behind the last of a scan with fewer."""
@@ -258,14 +258,14 @@ class _Grouping:
             out = np.where(ranges > largest[:, np.newaxis], np.float32(np.inf), out)
             nearer = (largest < largest.max())[:, np.newaxis] & (out == np.inf)
         lost = int(np.count_nonzero(nearer))
-        said = (
+        note = (
             f" Of {lost} readings without a return in messages with a smaller range_max than {largest.max():.2f} m, "
             "no_return free clears nothing."
         )
         self.notes.append(
             f"range_min or range_max {self.sensor.where} change with the messages in more than {MOST_GROUPS} ways "
             f"(range_max {largest.min():.2f} to {largest.max():.2f} m): each message’s readings count within its own "
-            f"limits.{said if lost else ''}"
+            f"limits.{note if lost else ''}"
         )
         return np.where(nearer, np.float32(np.nan), out)
 

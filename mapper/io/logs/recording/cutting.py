@@ -93,8 +93,8 @@ class Cutter:
 
     def finish(self) -> None:
         """Cut what is held with what is known now. An image without a CameraInfo counts as one that cannot be read."""
-        held, self._held, self._held_bytes = self._held, [], 0
-        for cloud in held:
+        waiting, self._held, self._held_bytes = self._held, [], 0
+        for cloud in waiting:
             try:
                 self._cut_one(cloud)
             except BadMessageError as error:

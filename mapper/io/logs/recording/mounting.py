@@ -104,8 +104,8 @@ def _note_on_moving(tree: FrameTree, base: str, sensor: SensorScans, mounts: NDA
     replaced = tree.replaced_statics(tree.path(sensor.frame, base) or ())
     if replaced:
         frames = ", ".join(f"{frame!r:.100}" for frame in replaced[:4])
-        said = f"While it was recorded, static transforms were replaced ({frames}), and the sensor’s mount changed {by}"
-        return [f"{said}: each scan has the mount that held when it came."]
+        note = f"While it was recorded, static transforms were replaced ({frames}), and the sensor’s mount changed {by}"
+        return [f"{note}: each scan has the mount that held when it came."]
     return [f"The frame {sensor.frame!r:.100} moves on the robot, {by}; each scan has the mount at its stamp."]
 
 

@@ -108,10 +108,10 @@ def trajectories_at(
             by_name[source.name], known[source.name] = trajectory, covered
     if by_name:
         by_name = _moving_first(by_name, notes)
-        kept = _known_to_any(by_name, known)
-        notes += _notes_on_left_out(when, by_name, known, kept)
-        trajectories, more = _continued(when, by_name, known, kept)
-        return PosesAtScans(trajectories, kept, [*notes, *more])
+        has_pose = _known_to_any(by_name, known)
+        notes += _notes_on_left_out(when, by_name, known, has_pose)
+        trajectories, more = _continued(when, by_name, known, has_pose)
+        return PosesAtScans(trajectories, has_pose, [*notes, *more])
     note = _without_poses(is_any=is_any, refused=refused, unused=unused)
     still = Trajectory(
         np.zeros((len(when), 3)),
@@ -145,14 +145,14 @@ def _notes_on_left_out(
     when: Moments,
     trajectories: Mapping[str, Trajectory],
     known: Mapping[str, NDArray[np.bool_]],
-    kept: NDArray[np.bool_],
+    has_pose: NDArray[np.bool_],
 ) -> list[str]:
     """Return a note on the scans of which there is no pose, by the reason."""
-    if kept.all():
+    if has_pose.all():
         return []
     first = next(iter(trajectories))
-    reasons = _before_and_after(when, ~kept, known[first])
-    n = int(np.count_nonzero(~kept))
+    reasons = _before_and_after(when, ~has_pose, known[first])
+    n = int(np.count_nonzero(~has_pose))
     others = "" if len(trajectories) == 1 else ", and no other source of poses has them"
     left = "1 scan is left out" if n == 1 else f"{n} scans are left out"
     return [f"{left}: {reasons} pose of {first}{others}. As in tf2, poses are not extrapolated."]
@@ -173,9 +173,9 @@ def _continued(
     when: Moments,
     trajectories: Mapping[str, Trajectory],
     known: Mapping[str, NDArray[np.bool_]],
-    kept: NDArray[np.bool_],
+    has_pose: NDArray[np.bool_],
 ) -> tuple[dict[str, Trajectory], list[str]]:
-    """Return the trajectories of the scans, of which those are ``kept`` (n,), and notes.
+    """Return the trajectories of the scans of which ``has_pose`` (n,), and notes.
 
     Where a trajectory has no pose of a scan and another one has, it moves as the other there: the transform between
     their frames (map → odom of REP 105) is that at the nearest scan of which both have a pose.
@@ -186,7 +186,7 @@ def _continued(
         trajectories
     )
     for name, trajectory in trajectories.items():
-        poses, rest = trajectory.poses.copy(), kept & ~known[name]
+        poses, rest = trajectory.poses.copy(), has_pose & ~known[name]
         for other in moving:
             both = np.flatnonzero(known[name] & known[other])
             scans = np.flatnonzero(rest & known[other])
@@ -235,10 +235,10 @@ def _without_poses(*, is_any: bool, refused: str, unused: str) -> str:
         return f"None of the file’s poses can be used ({refused}), so {_FROM_ONE_PLACE}."
     if is_any:
         return f"None of the file’s poses can be used, so {_FROM_ONE_PLACE}."
-    held = f"no poses along which the robot moved ({unused})" if unused else "no poses"
+    content = f"no poses along which the robot moved ({unused})" if unused else "no poses"
     return (
-        f"The file holds {held}, so {_FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "
-        "scans."
+        f"The file holds {content}, so {_FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with "
+        "the scans."
     )
 
 

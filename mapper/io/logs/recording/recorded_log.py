@@ -123,23 +123,23 @@ class RecordedLog:
             stream.kind in PREFERENCE and stream.count and not selection.wants(stream.topic) for stream in streams
         ):
             return self._without_topic(selection.topics[0])
-        held = "it holds no messages"
+        content = "it holds no messages"
         if self._bad:
-            held = f"messages that could not be read: {listed(self._bad)}"
+            content = f"messages that could not be read: {listed(self._bad)}"
         elif streams and not any(stream.count for stream in streams):
             topics = listed(sorted({f"{stream.kind} on {stream.topic}" for stream in streams}))
-            held = f"its topics have no messages ({topics})"
+            content = f"its topics have no messages ({topics})"
         elif streams:
             other = " (serialised in a way that is not read)"
             kinds = {
                 f"{stream.kind or 'messages without a type'}{'' if stream.readable else other}" for stream in streams
             }
-            held = f"it has {listed(sorted(kinds))}"
+            content = f"it has {listed(sorted(kinds))}"
         damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in notes[:1])
         return ReadError(
             "log.no_scans",
             "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan, Range, PointCloud2, "
-            f"or Image with depths): {held}{damage}.",
+            f"or Image with depths): {content}{damage}.",
         )
 
     def _notes_on_others(self, chosen: list[SensorScans]) -> tuple[str, ...]:
@@ -224,7 +224,7 @@ class RecordedLog:
         parts = [self._with_beams(whole, group, mounting, sensor.beam_width) for group in groups]
         if not poses.kept.all():
             own = [poses.kept[group.scans] for group in groups]
-            parts = [part.take(kept) for part, kept in zip(parts, own, strict=True) if kept.any()]
+            parts = [part.take(rows) for part, rows in zip(parts, own, strict=True) if rows.any()]
         return parts[0] if len(parts) == 1 else JointLog.of(parts)
 
     def _with_beams(self, whole: ScanLog, group: ScanGroup, mounting: Mounting, beam_width: float) -> ScanLog:
@@ -276,8 +276,8 @@ class RecordedLog:
         begins = np.flatnonzero(np.diff(sensor.offsets)) + 1
         steps = [f"scan {at + 1} ({(int(stamps[at - 1]) - int(stamps[at])) / 1e9:,.1f} s back)" for at in begins[:4]]
         more = f" and {len(begins) - 4} more" if len(begins) > 4 else ""
-        said = f"The clock of the recording begins again at {' and '.join(steps)}{more}, as where a simulation is reset"
-        return [*notes, f"{said}: as in tf2, each scan has the poses of its own run."]
+        note = f"The clock of the recording begins again at {' and '.join(steps)}{more}, as where a simulation is reset"
+        return [*notes, f"{note}: as in tf2, each scan has the poses of its own run."]
 
     def _base_that_moves(self, tree: FrameTree, base: str) -> str:
         """Return ``base``, or the robot's where tf lacks the sensor's mount, so that nothing moves.
@@ -306,12 +306,12 @@ class RecordedLog:
         if not choice.others:
             return []
         others = listed(list(choice.others))
-        said = f"Frames are looked up in {choice.moving}. The log has other transforms, {others}"
+        note = f"Frames are looked up in {choice.moving}. The log has other transforms, {others}"
         if sensor in self._in_other_tf or self._taken.tf.is_chosen:
-            return [f"{said}."]
+            return [f"{note}."]
         first = in_tf(sensor.topic, choice.others[0])
         where = "under Contents in the list of logs, or name their topic with --tf on the command line"
-        return [f"{said}: to look all frames up in one of them, open a sensor such as {first} {where}."]
+        return [f"{note}: to look all frames up in one of them, open a sensor such as {first} {where}."]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         listed_sensors = [*self._taken.sensors.values(), *self._in_other_tf]

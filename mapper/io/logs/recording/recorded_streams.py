@@ -215,9 +215,9 @@ def streams_of(files: Sequence[Source], take: Take, taken: Taken, trajectory: st
     }
     depths = {
         topic: CloudStream(topic, count, partial(recorded.depths, topic, kind), *places[topic])
-        for wanted in DEPTH_DECODERS  # images as they are before compressed ones
+        for message_type in DEPTH_DECODERS  # images as they are before compressed ones
         for (topic, kind), count in counts.items()
-        if kind == wanted
+        if kind == message_type
     }
     imus = {
         topic: ImuStream(topic, count, partial(recorded.imu, topic), places[topic][0])

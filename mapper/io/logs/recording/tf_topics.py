@@ -106,7 +106,7 @@ class TfTopics:
         key = (sensor, frame)
         if key not in self._chosen:
             name, *parts = sensor.split("#")
-            named = (self._known(wanted) for wanted in (*parts[-1:], self._wanted or ""))
+            named = (self._known(topic) for topic in (*parts[-1:], self._wanted or ""))
             self._chosen[key] = self._choose(name, frame, next(filter(None, named), None))
         return self._chosen[key]
 

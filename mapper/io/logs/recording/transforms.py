@@ -79,9 +79,9 @@ class _Statics:
         """Put them into the order in which they were recorded; see :meth:`at`."""
         ends = zip(self.recorded, self.again, strict=True)
         times = sorted((time, index) for index, both in enumerate(ends) for time in both)
-        kept = [times[0], *(after for before, after in pairwise(times) if before[1] != after[1])]
-        which = [index for _, index in kept]
-        self.positions, self.recorded, self.again = ([time for time, _ in kept] for _ in range(3))
+        unique = [times[0], *(after for before, after in pairwise(times) if before[1] != after[1])]
+        which = [index for _, index in unique]
+        self.positions, self.recorded, self.again = ([time for time, _ in unique] for _ in range(3))
         self.parents = [self.parents[index] for index in which]
         self.values = [self.values[index] for index in which]
         self.stamps = [self.stamps[index] for index in which]

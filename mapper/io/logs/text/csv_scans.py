@@ -124,11 +124,11 @@ class _Reader:
 
     def take(self, line: int, text: bytes) -> None:
         """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
-        said = text.decode("latin-1").strip(" \r\n")
-        if not said or _is_remark(text):
+        row = text.decode("latin-1").strip(" \r\n")
+        if not row or _is_remark(text):
             return
-        self._separator = self._separator or _separator(said) or ","
-        tokens = _fields(said, self._separator)
+        self._separator = self._separator or _separator(row) or ","
+        tokens = _fields(row, self._separator)
         if not any(tokens):
             return
         if self._in_rows:
@@ -215,8 +215,8 @@ class _Reader:
                 "cannot lie between.",
             )
         if self._per_second is None:
-            self._per_second, said = fields.time_unit(tokens[0], line, "CSV")
-            self.notes += said
+            self._per_second, note = fields.time_unit(tokens[0], line, "CSV")
+            self.notes += note
         stamp = fields.stamp(tokens[0], line, "CSV", self._per_second)
         units = [self._per_unit[name] for name in COLUMNS[1:]]
         pose = fields.pose(tokens[1:4], line, "CSV", "the robot’s", self.limits, FARTHEST_M / min(units))

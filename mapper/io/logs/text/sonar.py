@@ -64,8 +64,8 @@ class _Rows:
         if self.columns is None and LEAST < len(tokens) <= MOST + 1:
             self.columns = len(tokens)
         if len(tokens) != self.columns:
-            wanted = self.columns or f"{LEAST + 1} to {MOST + 1}"
-            raise ReadError("log.beams_vary", f"Line {line} of {self.what} has {len(tokens)} numbers, not {wanted}.")
+            expected = self.columns or f"{LEAST + 1} to {MOST + 1}"
+            raise ReadError("log.beams_vary", f"Line {line} of {self.what} has {len(tokens)} numbers, not {expected}.")
         values = fields.numbers(tokens, line, self.what)
         if not all(math.isfinite(value) for value in values):
             raise ReadError("log.garbage", f"Line {line} of {self.what} holds a number that is not finite.")

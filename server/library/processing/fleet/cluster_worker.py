@@ -5,7 +5,7 @@ from __future__ import annotations
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from server.jobs.process import WorkerJob
+from server.jobs.process import BoundedJob
 from server.library.processing.fleet.cluster import Cluster
 from server.library.processing.fleet.fleet_job import FleetJob
 
@@ -25,7 +25,7 @@ class ClusterWorker:
     async def prepare(self) -> None:
         """Begin nothing: the cluster's workers are its own matter."""
 
-    def submit(self, job: WorkerJob[T]) -> Future[T]:
+    def submit(self, job: BoundedJob[T]) -> Future[T]:
         """Have a log mapped; see :meth:`Cluster.submit`."""
         sent: Any = job
         if not isinstance(sent, FleetJob):

@@ -9,17 +9,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mapper import diagnosis
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import MapperError, ReadError
 from mapper.io import logs, maps
 from mapper.mapping.parameters import RECORDED, MappingConfig, as_mapped
 from mapper.sensors.joint_log import with_trajectories
 from mapper.sensors.scan import ScanLog
 from server.jobs import process
 from server.jobs.outcome import outcome_of
-from server.jobs.process import JobLimits
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.workers import Worker
 
-DOING = "Reading, examining and mapping this log"
 READ, EXAMINED, MAPPED = 0.4, 0.7, 0.95  #: fractions of the job that are done then
 RUNS = 2  #: of a log whose process was ended: the machine may be at fault
 DIED = "fleet.died"  #: the error of a log whose process was ended
@@ -104,11 +103,14 @@ class LogOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class FleetJob:
+class FleetJob(BoundedJob[MapFacts]):
     """Read ``source``, examine it, map it, and draw its map into ``picture``.
 
     The map is kept as ``map`` (.yaml, .pgm) where that is given. A job in the ``background`` has a lower priority.
     """
+
+    DOING = "Reading, examining and mapping this log"
+    CODE = "fleet"
 
     source: str
     map: str | None
@@ -117,32 +119,39 @@ class FleetJob:
     background: bool = False
     options: LogOptions = field(default_factory=LogOptions)
 
-    @property
-    def timeout_s(self) -> float:
-        """Longest elapsed time, seconds."""
-        return self.limits.timeout_s
+    def compute(self) -> MapFacts:
+        """Return what is known of the log. Raises :class:`MapperError` for one that is not read or mapped."""
+        from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
+        from server.library.packs.picture import write_picture  # noqa: PLC0415
 
-    @property
-    def memory_bytes(self) -> int:
-        """Largest address space of the process, bytes."""
-        return self.limits.memory_bytes
-
-    @property
-    def work(self) -> Callable[[FleetJob], MapFacts]:
-        """The function that does it."""
-        return do_fleet_job
-
-    def time_error(self) -> LimitError:
-        """Return the error for a log that takes too long."""
-        return process.time_error(self.timeout_s, DOING, "fleet")
-
-
-def do_fleet_job(job: FleetJob) -> MapFacts:
-    """Do the job; return what is known of the log.
-
-    Raises :class:`mapper.core.errors.MapperError` for a log that is not read or mapped, and for limits.
-    """
-    return process.bounded(job.timeout_s, job.limits.cpu_s, lambda: _done(job), DOING, "fleet")
+        if self.background:
+            process.lower_priority()
+        began = time.process_time()
+        log = self.options.read(Path(self.source), lambda done: process.note_progress(READ * done))
+        process.note_progress(READ)
+        findings = diagnosis.examine(log)
+        process.note_progress(EXAMINED)
+        config = MappingConfig().with_values(RECORDED)
+        grid = grid_for(log, config)
+        integrate_log(grid, log, config)
+        if self.map is not None:
+            maps.save_map(grid, Path(self.map))
+        process.note_progress(MAPPED)
+        picture = write_picture(log, Path(self.picture))
+        geometry, figures = grid.geometry, diagnosis.map_figures(log, None, config, grid)
+        return MapFacts(
+            scans=log.n_scans,
+            beams=log.n_beams,
+            trajectory=log.default_trajectory,
+            rows=geometry.rows,
+            cols=geometry.cols,
+            resolution=geometry.resolution,
+            contrast=round(figures.sharpness, 4) if math.isfinite(figures.sharpness) else None,
+            drift_m=None if figures.drift_m is None else round(figures.drift_m, 3),
+            findings=tuple(FleetFinding(finding.check, finding.sentence, finding.possible) for finding in findings),
+            picture=picture,
+            cpu_s=round(time.process_time() - began, 3),
+        )
 
 
 async def fleet_facts(
@@ -165,37 +174,3 @@ async def fleet_facts(
             if error.code != DIED or run == RUNS:
                 raise
             run += 1
-
-
-def _done(job: FleetJob) -> MapFacts:
-    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
-    from server.library.packs.picture import write_picture  # noqa: PLC0415
-
-    if job.background:
-        process.lower_priority()
-    began = time.process_time()
-    log = job.options.read(Path(job.source), lambda done: process.note_progress(READ * done))
-    process.note_progress(READ)
-    findings = diagnosis.examine(log)
-    process.note_progress(EXAMINED)
-    config = MappingConfig().with_values(RECORDED)
-    grid = grid_for(log, config)
-    integrate_log(grid, log, config)
-    if job.map is not None:
-        maps.save_map(grid, Path(job.map))
-    process.note_progress(MAPPED)
-    picture = write_picture(log, Path(job.picture))
-    geometry, figures = grid.geometry, diagnosis.map_figures(log, None, config, grid)
-    return MapFacts(
-        scans=log.n_scans,
-        beams=log.n_beams,
-        trajectory=log.default_trajectory,
-        rows=geometry.rows,
-        cols=geometry.cols,
-        resolution=geometry.resolution,
-        contrast=round(figures.sharpness, 4) if math.isfinite(figures.sharpness) else None,
-        drift_m=None if figures.drift_m is None else round(figures.drift_m, 3),
-        findings=tuple(FleetFinding(finding.check, finding.sentence, finding.possible) for finding in findings),
-        picture=picture,
-        cpu_s=round(time.process_time() - began, 3),
-    )

@@ -170,19 +170,19 @@ class FleetJobs:
         :class:`LimitError` for too many, and :class:`StorageError`.
         """
         known = self._queue.records
-        wanted: list[Job] = []
+        jobs: list[Job] = []
         for log in logs:
             record = known.get((log.owner, log.id))
             is_other = record is not None and request not in (None, record.request) and not record.is_unfinished
             if record is None or record.state == "cancelled" or is_other or (again and record.state == "failed"):
                 how = request or FleetRequest()
-                wanted.append(
+                jobs.append(
                     JobRecord(log_id=log.id, owner=log.owner, request=how, state="queued", created_s=time.time())
                 )
-        if len(self._queue.running) + len(wanted) > MOST:
+        if len(self._queue.running) + len(jobs) > MOST:
             raise LimitError("fleet.too_many", f"At most {MOST:,} logs wait to be mapped at once.")
-        await self._queue.begin(wanted)
-        return len(wanted)
+        await self._queue.begin(jobs)
+        return len(jobs)
 
     async def stop(self, logs: Sequence[Record]) -> None:
         """End the jobs of these logs that are queued or running; what is done stays."""
@@ -233,8 +233,8 @@ class FleetJobs:
                     idle.end()
         await self._catalogue.publish(log.id)
         seconds = round(time.monotonic() - began, 3)
-        given = {field.name: getattr(facts, field.name) for field in fields(facts)}
-        return FleetFacts(**given, seconds=seconds, runs=runs)
+        values = {field.name: getattr(facts, field.name) for field in fields(facts)}
+        return FleetFacts(**values, seconds=seconds, runs=runs)
 
     def _new_worker(self) -> Worker:
         return self._make_worker() if self._cluster is None else ClusterWorker(self._cluster)

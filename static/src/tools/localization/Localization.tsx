@@ -8,6 +8,7 @@ import { Button } from "../../ui/Button";
 import { useDrawing } from "../../ui/browser/useDrawing";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
 import { Disclosure } from "../../ui/Panel";
+import { ask } from "../../wire/ask";
 import type { LocalizationMessage, Parameter, Values } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { AmclYaml } from "./AmclYaml";
@@ -25,7 +26,6 @@ import {
 } from "./model";
 import { SensorCurve } from "./SensorCurve";
 import { filterOf } from "./state";
-import { filterTable } from "./table";
 import "./localization.css";
 
 const HEIGHT = 150;
@@ -140,9 +140,9 @@ export function Localization({ store }: { readonly store: Store }) {
   });
   useEffect(() => (isOn ? store.layers.subscribe(PARTICLES) : undefined), [store, isOn]);
   useEffect(() => {
-    filterTable().then(
-      (rows) => {
-        table.value = rows;
+    ask("GET /api/localization/parameters", {}).then(
+      (answer) => {
+        table.value = answer.table;
       },
       () => undefined, // the server does not answer: the figures are left out
     );

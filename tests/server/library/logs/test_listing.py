@@ -16,7 +16,7 @@ from mapper.core.errors import LimitError, MapperError
 from mapper.io.logs.summary import LogSummary, ReadingCounts
 from mapper.sensors.scan import Topic
 from server.library.annotations.tags import MAX_TAGS, clean_tags
-from server.library.logs.listing import Wanted, listed
+from server.library.logs.listing import LogQuery, listed
 from server.library.logs.records import Record
 from server.library.packs.picture import DARK, LIGHT
 from tests.server.library.small_logs import carmen
@@ -39,28 +39,30 @@ LOGS = [
 ]
 
 
-def names(wanted: Wanted) -> list[str]:
+def names(wanted: LogQuery) -> list[str]:
     return [one.name for one in listed(LOGS, wanted).records]
 
 
 def test_logs_are_found_by_words_and_tags() -> None:
-    assert names(Wanted()) == ["Corridor.log", "atrium.bag", "Basement.log"]
-    assert names(Wanted(words="log")) == ["Corridor.log", "Basement.log"]
-    assert names(Wanted(words="CARMEN front")) == ["atrium.bag"]
-    assert names(Wanted(words="building")) == ["Corridor.log"]
-    assert names(Wanted(tags=("night",))) == ["Corridor.log", "atrium.bag"]
-    assert names(Wanted(words="bag", tags=("night", "building 3"))) == []
+    assert names(LogQuery()) == ["Corridor.log", "atrium.bag", "Basement.log"]
+    assert names(LogQuery(words="log")) == ["Corridor.log", "Basement.log"]
+    assert names(LogQuery(words="CARMEN front")) == ["atrium.bag"]
+    assert names(LogQuery(words="building")) == ["Corridor.log"]
+    assert names(LogQuery(tags=("night",))) == ["Corridor.log", "atrium.bag"]
+    assert names(LogQuery(words="bag", tags=("night", "building 3"))) == []
 
 
 def test_logs_come_in_an_order_and_by_pages() -> None:
-    assert names(Wanted(order="name")) == ["atrium.bag", "Basement.log", "Corridor.log"]
-    assert names(Wanted(order="duration")) == ["atrium.bag", "Corridor.log", "Basement.log"]
-    assert names(Wanted(order="size")) == ["Corridor.log", "Basement.log", "atrium.bag"]
-    page = listed(LOGS, Wanted(order="size", offset=1, limit=1))
+    assert names(LogQuery(order="name")) == ["atrium.bag", "Basement.log", "Corridor.log"]
+    assert names(LogQuery(order="duration")) == ["atrium.bag", "Corridor.log", "Basement.log"]
+    assert names(LogQuery(order="size")) == ["Corridor.log", "Basement.log", "atrium.bag"]
+    page = listed(LOGS, LogQuery(order="size", offset=1, limit=1))
     assert ([one.name for one in page.records], page.total) == (["Basement.log"], 3)
     assert page.tags == {"building 3": 1, "night": 2}
     many = [replace(LOGS[0], id=str(n), name=f"log {n}") for n in range(700)]
-    assert [one.id for one in listed(many, Wanted(offset=650, limit=100)).records] == [str(n) for n in range(650, 700)]
+    assert [one.id for one in listed(many, LogQuery(offset=650, limit=100)).records] == [
+        str(n) for n in range(650, 700)
+    ]
 
 
 def test_tags_are_cleaned() -> None:

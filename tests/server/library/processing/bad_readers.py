@@ -9,6 +9,7 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,12 @@ LEFT = "left-by-a-crash-"  #: begins the name of a temporary folder
 OPEN = "open_robot_log"  #: what the job imports from there and calls
 
 
-def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
+def instead(job: Callable[[reading.Job], LogSummary]) -> property:
+    """Return what takes the place of ``Job.do``: a function of this module, which the process finds by its name."""
+    return property(lambda of: partial(job, of))
+
+
+def _with(reader: Callable[..., Any], job: reading.Job) -> LogSummary:
     good = getattr(opening, OPEN)
 
     def read(path: Any, **options: Any) -> RobotLog:
@@ -34,12 +40,12 @@ def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
 
     setattr(opening, OPEN, read)
     try:
-        return reading.read_job(*job)
+        return job.do()
     finally:
         setattr(opening, OPEN, good)
 
 
-def crash(*job: Any) -> LogSummary:
+def crash(job: reading.Job) -> LogSummary:
     """Crash with a temporary file that nobody removes."""
 
     def write_and_end() -> None:
@@ -49,7 +55,7 @@ def crash(*job: Any) -> LogSummary:
     return _with(write_and_end, job)
 
 
-def leave(*job: Any) -> LogSummary:
+def leave(job: reading.Job) -> LogSummary:
     return _with(lambda: os._exit(0), job)
 
 
@@ -58,16 +64,16 @@ def _spin() -> None:
         pass
 
 
-def loop(*job: Any) -> LogSummary:
+def loop(job: reading.Job) -> LogSummary:
     return _with(_spin, job)
 
 
-def loop_in_c(*job: Any) -> LogSummary:
+def loop_in_c(job: reading.Job) -> LogSummary:
     """No signal is heard in there."""
     return _with(lambda: sum(itertools.repeat(1)), job)
 
 
-def sleep(*job: Any) -> LogSummary:
+def sleep(job: reading.Job) -> LogSummary:
     return _with(lambda: time.sleep(1000), job)
 
 
@@ -77,7 +83,7 @@ def _eat() -> None:
         held.append(bytearray(64 << 20))
 
 
-def eat(*job: Any) -> LogSummary:
+def eat(job: reading.Job) -> LogSummary:
     return _with(_eat, job)
 
 
@@ -85,11 +91,11 @@ def _raise() -> None:
     raise RuntimeError("a defect")
 
 
-def defect(*job: Any) -> LogSummary:
+def defect(job: reading.Job) -> LogSummary:
     return _with(_raise, job)
 
 
-def disk_full(*job: Any) -> LogSummary:
+def disk_full(job: reading.Job) -> LogSummary:
     """The result cannot be kept: no file may be larger than a hundred bytes."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     try:

@@ -12,7 +12,7 @@ from multiprocessing.forkserver import _forkserver
 from pathlib import Path
 from typing import Any
 
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.workers import PoolWorker
 
 
@@ -28,25 +28,20 @@ def wait_for(path: Path) -> str:
     return "done"
 
 
+LIMITS = JobLimits(60.0, 60.0, 2 << 30)
+
+
 @dataclass(frozen=True, slots=True)
-class Task(BoundedJob):
+class Task(BoundedJob[object]):
     """Call a function of this module."""
 
     function: Callable[[Any], object]
     argument: object
-    timeout_s: float = 60.0
-    cpu_s: float = 60.0
-    memory_bytes: int = 2 << 30
+    limits: JobLimits = LIMITS
 
-    @property
-    def work(self) -> Callable[[Task], object]:
-        """The function that does it."""
-        return done
-
-
-def done(task: Task) -> object:
-    """Do a task."""
-    return task.function(task.argument)
+    def compute(self) -> object:
+        """Call it."""
+        return self.function(self.argument)
 
 
 def main() -> None:

@@ -1,9 +1,8 @@
-"""Stand-ins for SLAM in a worker, each with the interface of ``do_slam_job``, and a worker of one thread."""
+"""Stand-ins for SLAM in a worker, each in place of ``SlamJob.compute``, and a worker of one thread."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -16,9 +15,10 @@ from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import LoopCandidates
 from server.library.packs.graph import graph_bytes
 from server.library.processing.fleet.fleet_job import MapFacts
+from server.library.processing.log_jobs import write_report
 from server.library.processing.merging import BOTH, ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
 from server.library.processing.merging import GRAPH as MERGED_GRAPH
-from server.library.processing.slam import GRAPH, TUM, SlamJob, SlamOutcome
+from server.library.processing.slam import GRAPH, TUM, PartialPoses, SlamJob, SlamOutcome
 from tests.server.library.small_logs import carmen, tum
 
 PATIENCE_S = 60.0
@@ -62,10 +62,7 @@ def chain(scans: int) -> tuple[PoseGraph, LoopCandidates]:
 def told(job: SlamJob, fraction: float, scans: int) -> None:
     """Report progress as the job does."""
     poses = np.stack([np.arange(scans), np.full(scans, Y), np.zeros(scans)], axis=1)
-    whole = Path(job.out + ".half")
-    with whole.open("wb") as file:
-        np.savez(file, about=np.array([fraction, 1.0]), stage=np.array("front end"), poses=poses)
-    whole.replace(job.out + ".progress")
+    write_report(job.out, PartialPoses(fraction, "front end", 1, poses))
 
 
 def quick(job: SlamJob) -> SlamOutcome:
@@ -128,8 +125,7 @@ class ThreadWorker:
         """It is there."""
 
     def submit(self, job: Any) -> Future[Any]:
-        work: Callable[[Any], Any] = job.work
-        return self._pool.submit(work, job)
+        return self._pool.submit(job.compute)
 
     def end(self) -> None:
         self.ended += 1

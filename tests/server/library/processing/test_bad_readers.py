@@ -50,7 +50,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     make_library: Callable[..., Library], settings: Settings, monkeypatch: pytest.MonkeyPatch, job, limits, code
 ) -> None:
-    monkeypatch.setattr("server.library.processing.reading.read_job", job)
+    monkeypatch.setattr("server.library.processing.reading.Job.do", bad_readers.instead(job))
     monkeypatch.setattr("server.jobs.workers.GRACE_S", 1.0)
     library = make_library(own_reader=True, **limits)
     await library.start()
@@ -76,7 +76,7 @@ async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
 async def test_a_small_log_that_takes_long_makes_room_for_those_of_others(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.loop)
+    monkeypatch.setattr("server.library.processing.reading.Job.do", bad_readers.instead(bad_readers.loop))
     library = make_library(own_reader=True, read_timeout_s=3000.0, read_cpu_s=3000.0)
     await library.start()
     slow = await library.put("ann", "slow", in_pieces(bad_readers.BAD))
@@ -97,7 +97,7 @@ async def test_a_small_log_that_takes_long_makes_room_for_those_of_others(
 async def test_a_job_is_stopped_and_run_again(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.processing.reading.Job.do", bad_readers.instead(bad_readers.sleep))
     library = make_library(own_reader=True)
     await library.start()
     reading = await library.put("ann", "a", in_pieces(bad_readers.BAD))
@@ -118,7 +118,7 @@ async def test_a_job_is_stopped_and_run_again(
 async def test_a_small_log_does_not_wait_for_a_large_one(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.processing.reading.Job.do", bad_readers.instead(bad_readers.sleep))
     monkeypatch.setattr("server.library.processing.reader.SMALL_BYTES", len(bad_readers.BAD) - 1)
     library = make_library(own_reader=True)
     await library.start()

@@ -6,6 +6,7 @@ import asyncio
 import math
 import threading
 from collections import Counter
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,6 @@ import pytest
 from mapper.core.errors import LimitError, ReadError
 from server.jobs.record import Failure
 from server.library.library import Library
-from server.library.processing.fleet import fleet_job as fleet_jobs
 from server.library.processing.fleet.fleet_job import FleetJob, MapFacts
 from server.library.processing.fleet.fleet_jobs import FleetRequest
 from server.settings import Settings
@@ -21,6 +21,8 @@ from tests.server.library.conftest import Make
 from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.processing.fleets import counts, uploads
 from tests.server.service import PATIENCE_S, eventually
+
+COMPUTE = FleetJob.compute
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -53,7 +55,7 @@ class Doing:
 def doing(monkeypatch: pytest.MonkeyPatch) -> Doing:
     made = Doing()
     monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
-    monkeypatch.setattr("server.library.processing.fleet.fleet_job.do_fleet_job", made)
+    monkeypatch.setattr(FleetJob, "compute", property(lambda job: partial(made, job)))
     return made
 
 
@@ -139,7 +141,7 @@ async def test_the_facts_and_the_picture_are_those_of_the_log(
     library: Library, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("server.jobs.process.lower_priority", lambda: None)
-    monkeypatch.setattr("server.library.processing.fleet.fleet_job.do_fleet_job", fleet_jobs._done)
+    monkeypatch.setattr(FleetJob, "compute", COMPUTE)
     (log,) = await uploads(library, 30)
     library._catalogue.picture(log.id).unlink()
     await library.fleet.begin([log])

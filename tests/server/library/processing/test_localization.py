@@ -45,7 +45,7 @@ async def test_a_job_survives_a_restart_with_its_map(
     make_library: Callable[..., Library], settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
-    monkeypatch.setattr("server.library.processing.localization.do_localize_job", endless)
+    monkeypatch.setattr("server.library.processing.localization.LocalizeJob.compute", endless)
     begun.clear()
     first = make_library()
     await first.start()

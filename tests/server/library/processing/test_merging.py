@@ -14,9 +14,10 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.robot_log import RobotLog
 from mapper.slam import merge_logs, merged_graph
 from mapper.slam.merged_log import merged_log
+from server.jobs.process import JobLimits
 from server.library.packs.graph import read_graph
 from server.library.packs.log import write_pack
-from server.library.processing.merging import BOTH, ENDINGS, GRAPH, LOG, STAGE, MergeJob, _merge
+from server.library.processing.merging import BOTH, ENDINGS, GRAPH, LOG, STAGE, MergeJob
 from tests.mapper.slam.test_merge import FIRST, SECOND, WIDE, in_frame
 from tests.mapper.slam.worlds import along, drive
 
@@ -28,7 +29,7 @@ def test_it_leaves_a_trajectory_of_each_log_in_one_frame(tmp_path: Path) -> None
     for name, log in (("first", first), ("second", second)):
         packs.append(tmp_path / f"{name}.npz")
         write_pack(RobotLog.of_one(log), packs[-1])
-    outcome = _merge(MergeJob(str(packs[0]), str(packs[1]), str(tmp_path / "out"), 60.0, 60.0, 1 << 32))
+    outcome = MergeJob(str(packs[0]), str(packs[1]), str(tmp_path / "out"), JobLimits()).compute()
     assert 3 <= outcome.loops <= outcome.tried
     poses = [read_tum(tmp_path / f"out{ending}") for ending in ENDINGS]
     for log, own in zip((first, second), poses, strict=True):

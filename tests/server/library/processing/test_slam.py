@@ -18,9 +18,10 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 from mapper.simulation.lidar import SensorConfig
+from server.jobs.process import JobLimits
 from server.library.packs.graph import read_graph
-from server.library.processing.log_jobs import packed
-from server.library.processing.slam import SlamJob, SlamOutcome, _slam, read_progress
+from server.library.processing.log_jobs import packed, read_report
+from server.library.processing.slam import PartialPoses, SlamJob, SlamOutcome
 from server.parts.slam.loop_landscape import landscape_of
 from server.parts.slam.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
@@ -37,7 +38,7 @@ def log() -> ScanLog:
 def done(folder: Path, log: ScanLog, mapping: dict[str, Any] | None = None) -> SlamOutcome:
     packed(log, folder / "log.npz")
     files = (str(folder / "log.npz"), str(folder / "slam"))
-    return _slam(SlamJob(*files, None, {"refinement": 2.0}, mapping or {}, 60.0, 60.0, 1 << 32))
+    return SlamJob(*files, None, {"refinement": 2.0}, mapping or {}, JobLimits()).compute()
 
 
 def test_it_leaves_a_trajectory_a_graph_and_how_far_it_is(tmp_path: Path, log: ScanLog) -> None:
@@ -52,7 +53,7 @@ def test_it_leaves_a_trajectory_a_graph_and_how_far_it_is(tmp_path: Path, log: S
     assert before.contradicted is not None
     assert after.contradicted is not None
     assert after.contradicted < before.contradicted
-    progress = read_progress(tmp_path / "slam")
+    progress = read_report(tmp_path / "slam", PartialPoses)
     assert progress is not None
     assert 0.0 < progress.fraction <= 1.0
     assert len(progress.poses) <= log.n_scans

@@ -40,7 +40,7 @@ def worker(monkeypatch: pytest.MonkeyPatch) -> stand_ins.ThreadWorker:
 
 
 def do(monkeypatch: pytest.MonkeyPatch, work: Callable[..., Any]) -> None:
-    monkeypatch.setattr("server.library.processing.slam.do_slam_job", work)
+    monkeypatch.setattr("server.library.processing.slam.SlamJob.compute", work)
 
 
 async def uploaded(library: Library, owner: str = "ann", start: int = 0) -> str:
@@ -220,7 +220,7 @@ async def test_scans_of_clouds_are_those_of_the_session_s_cut(
 async def test_a_merge_survives_a_restart(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.merging.do_merge_job", stand_ins.endless_merge)
+    monkeypatch.setattr("server.library.processing.merging.MergeJob.compute", stand_ins.endless_merge)
     first = make_library()
     await first.start()
     one, other = await uploaded(first), await uploaded(first, start=stand_ins.SECOND_START)
@@ -228,7 +228,7 @@ async def test_a_merge_survives_a_restart(
     await eventually(lambda: first.merges.state("ann", one).stage == "loops")
     await first.close()
     monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
-    monkeypatch.setattr("server.library.processing.merging.do_merge_job", stand_ins.quick_merge)
+    monkeypatch.setattr("server.library.processing.merging.MergeJob.compute", stand_ins.quick_merge)
     second = make_library()
     await second.start()
     await eventually(lambda: second.merges.state("ann", one).state == "done")

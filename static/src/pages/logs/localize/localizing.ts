@@ -4,7 +4,6 @@ import { signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { GIVEN_MAP, PARTICLES } from "../../../tools/localization/model";
-import { filterTable } from "../../../tools/localization/table";
 import { ask } from "../../../wire/ask";
 import type { FilterHistory, LocalizationStatus, MapAnswer, MapOfLog, NewLocalization } from "../../../wire/http";
 import type { Point, Pose } from "../../../wire/protocol";
@@ -57,7 +56,7 @@ export class Localizing extends LogJob<LocalizationStatus> {
   readonly pose = signal<Pose | null>(null);
   /** Whether the next click on the map says where the robot looks. */
   readonly turns = signal(false);
-  readonly parameters = new JobParameters(filterTable);
+  readonly parameters = new JobParameters(async () => (await ask("GET /api/localization/parameters", {})).table);
   #mapTimer = 0;
   #isShown = false;
 
