@@ -10,9 +10,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.io.logs.no_return import code_for_no_return, without_code
 from mapper.io.logs.pose_clocks import pose_clock
 from mapper.io.logs.sweeps import Sweep, contradicted_sweep
-from mapper.sensors.joint_log import each_part, sensors_of, with_notes
+from mapper.io.logs.text.packing import note_on_largest_reading
+from mapper.sensors.joint_log import each_part, sensors_of, with_notes, without_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 
@@ -26,12 +28,13 @@ PAUSE = 5.0  #: times between scans that are longer than so many usual ones are 
 
 
 def understood(robot: RobotLog) -> RobotLog:
-    """Return a log whose sweeps can be and do not contradict its readings, with notes on what these lack."""
+    """Return a log whose readings are distances, and whose sweeps fit them, with notes on what these lack."""
     sensors = {name: _understood(log) for name, log in robot.sensors.items()}
     return replace(robot, sensors=sensors)
 
 
 def _understood(log: ScanLog) -> ScanLog:
+    log = _with_no_return(log)
     period = time_between_scans(log.stamps_ns)
     why = [impossible_sweep(part, period) for part in sensors_of(log)]
     if any(why):
@@ -56,6 +59,21 @@ def _usual_reading(log: ScanLog) -> float:
     some = log.ranges[:: 1 + log.ranges.size // ENOUGH_READINGS]
     readings = some[np.isfinite(some) & (some > 0.0)]
     return float(np.median(np.unique(readings))) if len(readings) else 0.0
+
+
+def _with_no_return(log: ScanLog) -> ScanLog:
+    """Return the log without the distance that its sensor reads where nothing returns, and a note on it."""
+    code = code_for_no_return(_longest(log))
+    if code is None:
+        return log
+    n = int(np.count_nonzero(log.ranges == np.float32(code)))
+    note = (
+        f"{n} readings ({100.0 * n / log.ranges.size:.1f} %) are exactly {code:.4g} m, the greatest there is, and "
+        "neighbouring beams read it over wider angles than any wall looks so from several places: they say that "
+        "nothing returned, and count as no return, not as a wall."
+    )
+    log = without_notes(log, note_on_largest_reading(log.ranges))
+    return with_notes(each_part(log, lambda part: without_code(part, code)), [note])
 
 
 def _longest(log: ScanLog) -> ScanLog:
