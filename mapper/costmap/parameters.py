@@ -126,8 +126,9 @@ class NamedSource:
 class ObstacleConfig:
     """Parameters of the obstacle layer and its sources of observations. Raises as :class:`CostmapConfig`.
 
-    Without ``sources`` there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own; with
-    them each has these for itself. The heights are the layer's, within which a point marks.
+    Where ``sources`` is None there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own;
+    else each of them has these for itself, and a layer of none sees nothing. The heights are the layer's, within which
+    a point marks.
     """
 
     # fmt: off
@@ -165,26 +166,26 @@ class ObstacleConfig:
         COMBINATIONS,
     )
     # fmt: on
-    sources: tuple[NamedSource, ...] = ()
+    sources: tuple[NamedSource, ...] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
 
     def source(self, name: str | None) -> SourceConfig:
         """Return the parameters of a source: None for the first one. Raises :class:`ConfigError` for no such source."""
-        if not self.sources and name is None:
+        if self.sources is None and name is None:
             own = {row.name: getattr(self, row.name) for row in SOURCE_PARAMETERS}
             return SourceConfig(**own)
-        for source in self.sources:
+        for source in self.sources or ():
             if name in (None, source.name):
                 return source.config
         raise ConfigError("costmap.source", f"The layer has no source of observations {name!r:.80}.")
 
     def sources_of_scans(self) -> tuple[str | None, ...]:
         """Return the names of the sources that see one lidar's scans: those of LaserScan with the first one's topic."""
-        scans = [source for source in self.sources if source.data_type == "LaserScan"]
-        if not self.sources:
+        if self.sources is None:
             return (None,)
+        scans = [source for source in self.sources if source.data_type == "LaserScan"]
         return tuple(scan.name for scan in scans if (scan.topic or scan.name) == (scans[0].topic or scans[0].name))
 
 

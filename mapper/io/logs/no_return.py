@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.array_types import Int64Array
 from mapper.sensors.scan import ScanLog
 
 LEAST_READINGS = 20  #: of the greatest distance, in wide runs of beams, and of all others
@@ -24,8 +24,8 @@ def code_for_no_return(log: ScanLog) -> float | None:
 
     Beams that end on a flat wall read one distance d only as long as rounding hides that the wall is farther to the
     sides: with distances in steps of q over an angle of √(8 q / d). Where many neighbouring beams read the greatest
-    distance over an angle twice as wide, and 30° at least, in 5 scans and from places 0.5 m apart, the wall would be an arc around the
-    sensor that moves with it. Sonars, whose cones read the nearest wall, are not asked.
+    distance over an angle twice as wide, and 30° at least, in 5 scans and from places 0.5 m apart, the wall would be an
+    arc around the sensor that moves with it. Sonars, whose cones read the nearest wall, are not asked.
     """
     if log.beam_width > 0.0 or log.bearings is not None or log.n_beams < 2:
         return None
@@ -59,9 +59,9 @@ def _step(readings: NDArray[np.float32]) -> float:
     return float(np.quantile(steps, 0.1)) if len(steps) else 0.0
 
 
-def _runs(is_same: NDArray[np.bool_], increment: float) -> tuple[Int64Array, Float64Array, Int64Array]:
+def _runs(is_same: NDArray[np.bool_], increment: float) -> tuple[Int64Array, NDArray[np.float64], Int64Array]:
     """Return the runs of neighbouring beams of (n_scans, n_beams): their scans, angles in radians and beams, (n,)."""
     edges = np.diff(np.pad(is_same, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     scans, first = np.nonzero(edges == 1)
-    beams = np.nonzero(edges == -1)[1] - first
-    return scans, (beams - 1) * increment, beams
+    beams = (np.nonzero(edges == -1)[1] - first).astype(np.int64)
+    return scans.astype(np.int64), (beams - 1) * increment, beams

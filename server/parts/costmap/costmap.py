@@ -116,9 +116,9 @@ class Costmap:
 
     @property
     def blind(self) -> list[str]:
-        """The names of the layers of obstacles that see no scans."""
+        """The names of the layers of obstacles whose sources see no scans."""
         layers = zip(self._built.observed, self._built.obstacles, strict=True)
-        return [name for name, layer in layers if not layer.config.sources_of_scans()]
+        return [name for name, layer in layers if layer.config.sources and not layer.config.sources_of_scans()]
 
     @property
     def costs(self) -> UInt8Array:
