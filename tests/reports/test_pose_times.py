@@ -7,6 +7,7 @@ so that nodes drop such scans. Where another source has the robot's motion there
 
 from __future__ import annotations
 
+import copy
 import math
 import re
 from collections.abc import Callable
@@ -352,7 +353,7 @@ def test_stamps_of_0_before_a_simulations_clock_has_come_have_its_time(tmp_path:
     The recorder's clock is another one, so the time of recording is no stand-in by itself, and a simulation that is
     ``slower`` than it passes less time.
     """
-    said = [LASER, *drive(lambda at, pose: [transform(at, "odom", "base_link", *pose)])]
+    said = copy.deepcopy([LASER, *drive(lambda at, pose: [transform(at, "odom", "base_link", *pose)])])
     expected = open_log(written(tmp_path, said, "mcap"))
     for one in said:
         for header in [part["header"] for part in one.fields.get("transforms", [one.fields])]:

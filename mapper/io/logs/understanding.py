@@ -17,6 +17,7 @@ from mapper.io.logs.text.packing import note_on_largest_reading
 from mapper.sensors.joint_log import each_part, sensors_of, with_notes, without_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.sparse_poses import ADVICE, sparse_turns
 
 JITTER = 1.25  #: a sweep may last so much longer than the time between scans, or than the stated one
 LEAST_SCANS = 3  #: fewer tell nothing of the time between them
@@ -48,7 +49,9 @@ def _understood(log: ScanLog) -> ScanLog:
         log = each_part(log, lambda part: replace(part, wrong_sweep=said))
     log, late = _by_one_clock(log)
     why += late
-    return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])
+    return with_notes(
+        log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log), *_notes_on_turns(log)]
+    )
 
 
 def _usual_reading(log: ScanLog) -> float:
@@ -166,6 +169,11 @@ def _notes_on_speed(log: ScanLog) -> list[str]:
                 "centimetres, or the times are in another unit. They are taken for metres and seconds."
             )
     return notes
+
+
+def _notes_on_turns(log: ScanLog) -> list[str]:
+    found = sparse_turns(_longest(log))
+    return [] if found is None else [f"{found.sentence} {ADVICE}"]
 
 
 def _notes_on_readings(log: ScanLog) -> list[str]:
