@@ -64,4 +64,4 @@ def _runs(is_same: NDArray[np.bool_], increment: float) -> tuple[Int64Array, NDA
     edges = np.diff(np.pad(is_same, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     scans, first = np.nonzero(edges == 1)
     beams = (np.nonzero(edges == -1)[1] - first).astype(np.int64)
-    return scans.astype(np.int64), (beams - 1) * increment, beams
+    return scans.astype(np.int64), np.asarray((beams - 1) * increment, dtype=np.float64), beams
