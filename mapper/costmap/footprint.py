@@ -21,11 +21,11 @@ MAX_VERTICES = 200
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """A simple polygon: the outline of a robot, its vertices in the frame of the robot, metres.
+    """A polygon: the outline of a robot, its vertices in the frame of the robot, metres.
 
     A vertex that is the next one again, as the last of a closed outline is the first, is left out. As in Nav2, the
-    polygon need not hold the origin. Raises :class:`ConfigError` for fewer than three or more than 200 vertices, values
-    that are not finite, and edges that cross.
+    polygon need not hold the origin, and may cross itself. Raises :class:`ConfigError` for fewer than three or more
+    than 200 vertices, and values that are not finite.
     """
 
     vertices: Vertices
@@ -44,12 +44,6 @@ class Footprint:
             )
         if not (np.isfinite(points).all() and np.abs(points).max() <= 100.0):
             raise ConfigError("footprint.vertices", "The points of a footprint must be finite and within 100 m.")
-        crossing = _crossing(points)
-        if crossing is not None:
-            raise ConfigError(
-                "footprint.crosses",
-                f"The footprint crosses itself: the edges from point {crossing[0]} and from point {crossing[1]} meet.",
-            )
         object.__setattr__(self, "vertices", tuple((float(x), float(y)) for x, y in points))
 
     @classmethod
@@ -68,6 +62,17 @@ class Footprint:
         points = np.asarray(self.vertices)
         signs = np.where(points > 0.0, 1.0, np.where(points < 0.0, -1.0, 0.0))
         return Footprint(tuple((float(x), float(y)) for x, y in points + padding * signs))
+
+    @property
+    def crossing(self) -> tuple[int, int] | None:
+        """The numbers, from 0, of the points at which the first two edges begin that are no neighbours and meet."""
+        points = np.asarray(self.vertices)
+        n = len(points)
+        for i in range(n):
+            for j in range(i + 2, n):
+                if (j + 1) % n != i and _meet(points[i], points[i + 1], points[j], points[(j + 1) % n]):
+                    return i, j
+        return None
 
     @property
     def holds_origin(self) -> bool:
@@ -117,13 +122,3 @@ def _meet(a: Float64Array, b: Float64Array, c: Float64Array, d: Float64Array) ->
         return True
     ends = ((a, b, c), (a, b, d), (c, d, a), (c, d, b))
     return any(turn == 0.0 and _on(*three) for turn, three in zip(turns, ends, strict=True))
-
-
-def _crossing(points: Float64Array) -> tuple[int, int] | None:
-    """Return the first two edges that are no neighbours and meet."""
-    n = len(points)
-    for i in range(n):
-        for j in range(i + 2, n):
-            if (j + 1) % n != i and _meet(points[i], points[i + 1], points[j], points[(j + 1) % n]):
-                return i, j
-    return None

@@ -5,6 +5,7 @@ Source: the Nav2 documentation, Costmap 2D, and the declarations in nav2_costmap
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from mapper.core.errors import ConfigError
@@ -137,8 +138,9 @@ class NamedSource:
 class ObstacleConfig(ReadingsConfig):
     """Parameters of the obstacle layer and its sources of observations. Raises as :class:`CostmapConfig`.
 
-    Without ``sources`` there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own; with
-    them each has these for itself. The heights are the layer's, within which a point marks.
+    Where ``sources`` is None there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own;
+    else each of them has these for itself, and a layer of none sees nothing. The heights are the layer's, within which
+    a point marks.
     """
 
     # fmt: off
@@ -159,24 +161,43 @@ class ObstacleConfig(ReadingsConfig):
         COMBINATIONS,
     )
     # fmt: on
-    sources: tuple[NamedSource, ...] = ()
+    sources: tuple[NamedSource, ...] | None = None
 
     def source(self, name: str | None) -> SourceConfig:
         """Return the parameters of a source: None for the first one. Raises :class:`ConfigError` for no such source."""
-        if not self.sources and name is None:
+        if self.sources is None and name is None:
             own = {row.name: getattr(self, row.name) for row in SOURCE_PARAMETERS}
             return SourceConfig(**own)
-        for source in self.sources:
+        for source in self.sources or ():
             if name in (None, source.name):
                 return source.config
         raise ConfigError("costmap.source", f"The layer has no source of observations {name!r:.80}.")
 
-    def sources_of_scans(self) -> tuple[str | None, ...]:
-        """Return the names of the sources that see one lidar's scans: those of LaserScan with the first one's topic."""
-        scans = [source for source in self.sources if source.data_type == "LaserScan"]
-        if not self.sources:
+    def sources_of_scans(self, topic: str = "", topics: Collection[str] = ()) -> tuple[str | None, ...]:
+        """Return the names of the sources that see the scans of one lidar.
+
+        ``topic`` is the lidar's, of ``topics`` that there are. They are the sources of LaserScan with its topic or,
+        where none has a topic of these (:meth:`has_topic_of`), those with the first one's topic.
+        """
+        if self.sources is None:
             return (None,)
-        return tuple(scan.name for scan in scans if (scan.topic or scan.name) == (scans[0].topic or scans[0].name))
+        wanted = _topic_name(topic) if self.has_topic_of(topics) else next(iter(self._topics_of_scans.values()), "")
+        return tuple(name for name, of_source in self._topics_of_scans.items() if of_source == wanted)
+
+    def has_topic_of(self, topics: Collection[str]) -> bool:
+        """Whether a source of LaserScan has one of these topics."""
+        return bool({_topic_name(topic) for topic in topics} & set(self._topics_of_scans.values()))
+
+    @property
+    def _topics_of_scans(self) -> dict[str, str]:
+        """The topics of the sources of LaserScan by their names, in their order."""
+        scans = [source for source in self.sources or () if source.data_type == "LaserScan"]
+        return {source.name: _topic_name(source.topic or source.name) for source in scans}
+
+
+def _topic_name(topic: str) -> str:
+    """Return the name of a topic without the slash before it, and without the tf that it is looked up in."""
+    return topic.partition("#")[0].strip("/")
 
 
 @dataclass(frozen=True, slots=True)

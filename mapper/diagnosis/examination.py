@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from mapper.core.errors import ConfigError
-from mapper.diagnosis import clock, mounting, readings, sweep, time_unit, timing, walls
+from mapper.diagnosis import clock, mounting, readings, sparse, sweep, time_unit, timing, walls
 from mapper.diagnosis.between import check_between
 from mapper.diagnosis.consistency import MOST_READINGS, Contradiction, Examined, examined
 from mapper.diagnosis.finding import Finding
@@ -17,7 +17,9 @@ from mapper.sensors.scan import ScanLog
 
 FEWER_READINGS = 20_000  #: that are looked at for :func:`causes_of_drift`
 #: Findings that draw walls double, and drift itself.
-DOUBLING = frozenset({sweep.CHECK, "mount.turned", "timing.delay", "mount.offset", "walls.drift", mounting.CHANGING})
+DOUBLING = frozenset(
+    {sparse.CHECK, sweep.CHECK, "mount.turned", "timing.delay", "mount.offset", "walls.drift", mounting.CHANGING}
+)
 LEAST_SCANS = 10  #: below this there is nothing to compare
 
 
@@ -47,7 +49,7 @@ def _delay_or_offset(log: ScanLog, seen: Examined) -> list[Finding]:
     return sorted(findings, key=lambda finding: finding.sure, reverse=True)[:1]
 
 
-_FEW = frozenset({readings.FEW})
+_FEW = frozenset({readings.FEW, sparse.CHECK})
 _CHANGING = _FEW | {mounting.CHANGING}
 _TURNED = _CHANGING | {"mount.turned"}
 
@@ -56,6 +58,7 @@ CHECKS: tuple[Check, ...] = (
     Check(clock.check, ("clock.backwards", "clock.doubled", "clock.gap", "clock.dropped", "clock.jitter")),
     Check(lambda log, seen: time_unit.check(log, seen.trajectory), ("clock.unit",)),
     Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
+    Check(sparse.check, (sparse.CHECK,), frozenset({readings.FEW})),
     Check(sweep.check_sweep, (sweep.CHECK,), _FEW),
     Check(lambda log, _: timing.check_clock(log), (timing.CLOCK,), _FEW),
     Check(mounting.check_changing, (mounting.CHANGING,), _FEW),
@@ -143,7 +146,7 @@ def _examine_one(
             progress(done / len(checks))
         if check.spoiled_by & {finding.check for finding in findings}:
             continue
-        new = check.look(stated if check.names == (sweep.CHECK,) else log, seen)
+        new = check.look(stated if check.names in ((sparse.CHECK,), (sweep.CHECK,)) else log, seen)
         findings += new
         for finding in new:
             if finding.check not in REMEDIED or finding.parameters is None:

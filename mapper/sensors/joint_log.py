@@ -225,6 +225,14 @@ def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> Sc
     return replace(log, notes=both, parts=(with_notes(log.parts[0], notes, first=first), *log.parts[1:]))
 
 
+def without_notes(log: ScanLog, notes: Sequence[str]) -> ScanLog:
+    """Return a log without these notes; a joint log's parts too."""
+    kept = tuple(note for note in log.notes if note not in notes)
+    if not isinstance(log, JointLog):
+        return replace(log, notes=kept)
+    return replace(log, notes=kept, parts=tuple(without_notes(part, notes) for part in log.parts))
+
+
 def part_of_scan(log: ScanLog) -> Int64Array:
     """Return which of :func:`sensors_of` a log each scan (n_scans,) is of."""
     return log.part_of_scan if isinstance(log, JointLog) else np.zeros(log.n_scans, dtype=np.int64)

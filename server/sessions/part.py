@@ -50,7 +50,8 @@ class Robot:
 
     ``pose`` is T_map_base as it takes itself to be, ``time_s`` the time on the clock of its scans. ``scan`` is its
     newest scan, None while that is not in the map, and ``scan_pose`` T_map_laser there. ``number`` grows with each
-    newest scan; it is less than before where the map was brought back to an earlier one.
+    newest scan; it is less than before where the map was brought back to an earlier one. ``topic`` is that of the scan,
+    of all ``topics`` of scans that are mapped; empty where there are none.
     """
 
     pose: Pose
@@ -58,6 +59,8 @@ class Robot:
     scan: RangeScan | None
     scan_pose: Pose | Float64Array
     number: int
+    topic: str = ""
+    topics: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.replay import CheckpointPrefetcher
 from mapper.sensors.georeference import Offset
+from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 from server.parts import parts_of
 from server.parts.comparison.part import LogComparison
@@ -203,8 +204,11 @@ class LogModel(SessionModel):
 
     def _robot(self) -> Robot:
         """Return the robot at the newest scan in the map."""
-        state = self.recording.robot_state()
-        return Robot(state.pose, state.scan.stamp_ns * 1e-9, state.scan, state.scan_pose, self.recording.replay.index)
+        state, number = self.recording.robot_state(), self.recording.replay.index
+        topics = [part.topic for part in sensors_of(self.recording.log)]
+        topic = topics[part_of_scan(self.recording.log)[max(number - 1, 0)]]
+        known = tuple(dict.fromkeys(filter(None, topics)))
+        return Robot(state.pose, state.scan.stamp_ns * 1e-9, state.scan, state.scan_pose, number, topic, known)
 
     def _explained(self) -> list[ExplainedMap]:
         own = ExplainedMap(self._map, self.grid, self.config, self.recording.sources, self.progress[0])

@@ -224,6 +224,11 @@ CASES = {
     "transforms whose stamps are whole seconds": Case(
         stamped(BASE, "/tf", lambda at: at // SECOND * SECOND), sensor_at(), "no more than 5 different stamps"
     ),
+    "transforms that state microseconds as nanoseconds": Case(
+        stamped(BASE, "/tf", lambda at: at // SECOND * SECOND + at % SECOND // 1000),
+        sensor_at(),
+        "21 transforms between two frames on /tf have stamps in 5 groups, in each of which they hardly go on",
+    ),
     "odometry with one stamp": Case(
         stamped([LASER, *drive(wheels)], "/odom", lambda at: T0), sensor_at(), "All 21 poses on /odom have the same"
     ),

@@ -654,6 +654,54 @@ def test_a_code_for_no_return_is_no_other_unit(tmp_path, code):
     assert np.isposinf(log.ranges).sum() == 150 * N
 
 
+def nothing_read_as(code: float, poses: Callable[[int], tuple[float, float, float]] = pose) -> bytes:
+    """A CARMEN log of a lidar that sees up to 4 m and reads ``code`` where nothing is."""
+    bearings = np.radians(-90.0 + np.arange(180))
+    lines = []
+    for i in range(N):
+        ranges = distances(i, bearings, (0.0, 0.0, 0.0))
+        ranges[ranges > 4.0] = code
+        place = " ".join(f"{value:.6f}" for value in poses(i))
+        readings = " ".join(f"{value:.2f}" for value in ranges)
+        lines.append(f"FLASER 180 {readings} {place} {place} {i * 0.2:.6f} host {i * 0.2:.6f}")
+    return "\n".join([*lines, ""]).encode()
+
+
+@pytest.mark.parametrize("code", [4.0, 5.12, 40.95])
+def test_a_distance_that_no_wall_can_have_over_so_many_beams_is_no_return(tmp_path, code):
+    """FLASER lines state no range_max: lidars that see up to 4 m read that where nothing is."""
+    path = tmp_path / "a.log"
+    path.write_bytes(nothing_read_as(code))
+    log = open_log(path)
+    assert off_the_walls(ends(log)) < 0.01
+    assert np.isposinf(log.ranges).sum() > 200
+    (note,) = [note for note in log.notes if "no return" in note]
+    assert f"are exactly {code:g} m, the greatest there is" in note
+
+
+def test_a_greatest_distance_that_a_robot_sees_from_one_place_may_be_a_wall(tmp_path):
+    path = tmp_path / "a.log"
+    path.write_bytes(nothing_read_as(4.0, lambda i: (0.0, 0.0, 0.02 * i)))
+    log = open_log(path)
+    assert not np.isposinf(log.ranges).any()
+    assert any("likely the sensor’s code for no return" in note for note in log.notes)
+
+
+def test_a_flat_wall_at_the_greatest_distance_stays(tmp_path):
+    """Rounded to decimetres, 18° of walls that are 4 m away, and parallel to the way, read the same."""
+    bearings = np.radians(-90.0 + np.arange(181))
+    with np.errstate(divide="ignore"):
+        ranges = 4.0 / np.abs(np.sin(bearings))
+    ranges = np.where(ranges < 4.05, 4.0, np.round(3.0 + 0.5 * np.abs(bearings), 1))
+    readings = " ".join(f"{value:.1f}" for value in ranges)
+    places = [f"{0.1 * i:.3f} 0 0" for i in range(20)]
+    lines = [f"FLASER 181 {readings} {place} {place} {i} host {i}" for i, place in enumerate(places)]
+    (tmp_path / "a.log").write_text("\n".join(lines) + "\n")
+    log = open_log(tmp_path / "a.log")
+    assert np.count_nonzero(log.ranges == np.float32(4.0)) >= 20 * 20
+    assert not np.isposinf(log.ranges).any()
+
+
 def test_headings_in_degrees_are_refused(tmp_path):
     """They are compared with how the robot moves: it may have turned on and on, so that many radians are stated."""
     path = tmp_path / "a.log"

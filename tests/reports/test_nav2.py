@@ -5,6 +5,7 @@ A test names the source or the report that its situation is known from; those wi
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +30,7 @@ from tests.mapper.planning.nav2_file import parse_nav2_path
 from tests.server.cli.running import Run
 
 STATIC = 'static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}'
+SEES_NOTHING = "global_costmap.{} has no observation_sources: as in Nav2 it sees nothing."
 INFLATION = 'inflation_layer: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.7}'
 
 
@@ -113,7 +115,7 @@ def test_what_is_said_of_every_node_holds_unless_the_node_says_otherwise() -> No
         b"global_costmap: {global_costmap: {ros__parameters: {robot_radius: 0.4}}}\n"
     )
     assert (found.general.robot_radius, found.general.track_unknown_space) == (0.4, True)
-    assert (found.others, found.notes) == ({}, ())
+    assert (found.others, found.notes) == ({}, (SEES_NOTHING.format("obstacle_layer"),))
 
 
 def test_amcl_and_the_planner_of_a_dump() -> None:
@@ -306,7 +308,8 @@ def test_a_key_that_stands_twice_has_a_note() -> None:
     second = "global_costmap:\n  global_costmap: {ros__parameters: {robot_radius: 0.4, robot_radius: 0.5}}\n"
     found = parse_nav2_costmap((first + second).encode())
     assert found.general.robot_radius == 0.5
-    assert found.notes == (TWICE.format("robot_radius", 4, 4), TWICE.format("global_costmap", 1, 3))
+    assert found.notes == (TWICE.format("robot_radius", 4, 4), TWICE.format("global_costmap", 1, 3),
+                           SEES_NOTHING.format("obstacle_layer"))  # fmt: skip
     amcl = parse_amcl_yaml(b"amcl:\n  ros__parameters:\n    alpha1: 0.1\n    alpha1: 0.3\n")
     assert (amcl.config.alpha1, amcl.notes) == (0.3, (TWICE.format("alpha1", 3, 4),))
     merged = b"x: &x {a: 1}\namcl: {ros__parameters: {alpha1: 0.3, b: {<<: *x, a: 2}, c: {<<: *x, <<: *x}}}\n"
@@ -474,6 +477,7 @@ def test_values_beyond_what_is_computed_with_are_taken_as_the_nearest() -> None:
         "global_costmap.v.z_voxels is 20, more than is computed with here: 16 is taken.",
         "global_costmap.v.max_obstacle_height is 1000, more than is computed with here: 50 m is taken.",
         "global_costmap.v.min_obstacle_height is -1000, less than is computed with here: -10 m is taken.",
+        SEES_NOTHING.format("v"),
     )
     endless = node("plugins: [o]\no: {plugin: nav2_costmap_2d::ObstacleLayer, max_obstacle_height: .inf}")
     assert isinstance(endless.layers[0].config, ObstacleConfig)
@@ -490,7 +494,7 @@ def test_a_value_that_is_filled_in_at_the_launch_is_named_as_such() -> None:
     found = parse_nav2_costmap(
         b"global_costmap: {ros__parameters: {robot_radius: 0.3, use_sim_time: $(var t), global_frame: <ns>/map}}"
     )
-    assert (found.general.robot_radius, found.notes) == (0.3, ())
+    assert (found.general.robot_radius, found.notes) == (0.3, (SEES_NOTHING.format("obstacle_layer"),))
 
 
 def test_the_filters_of_nav2_s_own_file_are_on_as_by_its_launch_file() -> None:
@@ -636,6 +640,32 @@ def test_each_source_of_observations_has_its_own_parameters(kind: str) -> None:
 def test_a_value_of_a_source_is_refused_by_its_path() -> None:
     with pytest.raises(ConfigError, match=r"^global_costmap\.o\.far\.obstacle_min_range: "):
         node(SOURCES.format("ObstacleLayer").replace("obstacle_min_range: 1.5", "obstacle_min_range: -1.5"))
+
+
+@pytest.mark.parametrize("kind", ["ObstacleLayer", "VoxelLayer"])
+def test_a_layer_without_sources_sees_nothing_as_in_nav2(kind: str) -> None:
+    """ObstacleLayer::onInitialize subscribes to the names in observation_sources, which is empty by default."""
+    found = node(f"plugins: [o]\no: {{plugin: nav2_costmap_2d::{kind}, scan: {{topic: /scan}}}}")
+    assert SEES_NOTHING.format("o") in found.notes
+    config = found.layers[0].config
+    assert isinstance(config, ObstacleConfig)
+    assert config.sources_of_scans() == ()
+    again = yaml.safe_load(nav2_yaml(found, 0.05))["global_costmap"]["global_costmap"]["ros__parameters"]["o"]
+    assert not again["observation_sources"]
+    off = node(f"plugins: [o]\no: {{plugin: nav2_costmap_2d::{kind}, enabled: false}}")
+    assert SEES_NOTHING.format("o") not in off.notes
+
+
+def test_a_footprint_that_crosses_itself_has_the_radii_of_nav2_and_a_note() -> None:
+    """calculateMinAndMaxDistances of nav2_costmap_2d takes the edges in the order of the points, whatever they do."""
+    found = node('footprint: "[[0.3, 0.2], [-0.3, -0.2], [0.3, -0.2], [-0.3, 0.2]]"\nfootprint_padding: 0.0')
+    assert found.outline.inscribed_radius == pytest.approx(0.0, abs=1e-9)
+    assert found.outline.circumscribed_radius == pytest.approx(math.hypot(0.3, 0.2))
+    assert any(
+        "the edges from point 0 and from point 2 meet. As in Nav2 it is taken as it is" in n for n in found.notes
+    )
+    beside = node('footprint: "[[1, 0], [3, 1], [3, 0], [1, 1]]"\nfootprint_padding: 0.0')
+    assert beside.outline.inscribed_radius == pytest.approx(1.0)
 
 
 def test_what_only_sources_have_does_nothing_in_their_layer() -> None:

@@ -7,6 +7,7 @@ so that nodes drop such scans. Where another source has the robot's motion there
 
 from __future__ import annotations
 
+import copy
 import math
 import re
 from collections.abc import Callable
@@ -345,18 +346,20 @@ def test_a_tracker_that_states_0_for_a_while_does_not_begin_again(tmp_path: Path
     assert log.notes == ()
 
 
-@pytest.mark.parametrize("first", [1, 3])
-def test_stamps_of_0_before_a_simulations_clock_has_come_have_its_time(tmp_path: Path, first: int) -> None:
+@pytest.mark.parametrize(("first", "slower"), [(1, 1), (3, 1), (3, 3)])
+def test_stamps_of_0_before_a_simulations_clock_has_come_have_its_time(tmp_path: Path, first: int, slower: int) -> None:
     """With use_sim_time a node's time is 0 until /clock comes; a simulation also begins at 0 itself.
 
-    The recorder's clock is another one, so the time of recording is no stand-in by itself.
+    The recorder's clock is another one, so the time of recording is no stand-in by itself, and a simulation that is
+    ``slower`` than it passes less time.
     """
-    said = [LASER, *drive(lambda at, pose: [transform(at, "odom", "base_link", *pose)])]
+    said = copy.deepcopy([LASER, *drive(lambda at, pose: [transform(at, "odom", "base_link", *pose)])])
     expected = open_log(written(tmp_path, said, "mcap"))
     for one in said:
         for header in [part["header"] for part in one.fields.get("transforms", [one.fields])]:
             ns = one.stamp_ns - T0 if one.stamp_ns >= T0 + first * STEP else 0
             header["stamp"] = {"sec": ns // recorded.SECOND, "nanosec": ns % recorded.SECOND}
+        one.stamp_ns = T0 + slower * (one.stamp_ns - T0)
     log = open_log(written(tmp_path, said, "db3"))
     assert not any("clock" in note for note in log.notes)
     np.testing.assert_allclose(log.trajectory().poses, expected.trajectory().poses, atol=1e-6)

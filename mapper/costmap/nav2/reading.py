@@ -254,7 +254,7 @@ class _Reader:
             _name_combination(values, ".".join(path))
             # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
             start: Any = config(sources=sources, clearing=False)
-            table = tuple(row for row in table if not sources or row.name not in OF_SOURCE)
+            table = tuple(row for row in table if row.name not in OF_SOURCE)
         else:
             start = config(**of_static) if config is StaticConfig else config()
         made: PluginConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
@@ -361,7 +361,7 @@ def _name_combination(values: dict[str, Any], where: str) -> None:
 
 
 def _warnings(costmap: Nav2Costmap) -> list[str]:
-    """Return sentences on what Nav2 warns of, and on a costmap that shows nothing of the map."""
+    """Return sentences on what Nav2 warns of, on layers that see nothing, and on a costmap without the map."""
     warnings = []
     radius = costmap.outline.inscribed_radius
     layers = [*costmap.all_layers()]
@@ -377,6 +377,11 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
         warnings.append(
             f"{costmap.node} has no static layer in use: nothing of the map is in its costs, only what sensors see."
         )
+    warnings += [
+        f"{costmap.node}.{layer.name} has no observation_sources: as in Nav2 it sees nothing."
+        for layer in layers
+        if isinstance(layer.config, ObstacleConfig) and layer.config.enabled and not layer.config.sources
+    ]
     return warnings
 
 
@@ -414,6 +419,12 @@ def _footprint(value: object, where: str, notes: list[str]) -> Footprint | None:
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
+    if footprint.crossing is not None:
+        notes.append(
+            f"{where}.footprint crosses itself: the edges from point {footprint.crossing[0]} and from point "
+            f"{footprint.crossing[1]} meet. As in Nav2 it is taken as it is: the inscribed radius is the distance from "
+            "(0, 0) to the nearest edge. Put the points in their order along the outline."
+        )
     if not footprint.holds_origin:
         notes.append(
             f"{where}.footprint does not hold (0, 0), about which the robot turns. As in Nav2 it is taken as it is: "

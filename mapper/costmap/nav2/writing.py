@@ -85,8 +85,10 @@ def _below(others: Mapping[tuple[str, ...], Any], path: tuple[str, ...]) -> dict
 
 
 def _sources(others: Mapping[tuple[str, ...], Any], layer: str, config: ObstacleConfig) -> dict[str, Any]:
-    """Return the sources of observations of a layer: those of the file, or one of scans."""
-    sources = config.sources or (NamedSource("scan", config.source(None), "/scan"),)
+    """Return the sources of observations of a layer: those of the file, or one of scans where it is of no file."""
+    sources = config.sources
+    if sources is None:
+        sources = (NamedSource("scan", config.source(None), "/scan"),)
     blocks = {}
     for source in sources:
         topic = {"topic": source.topic} if source.topic else {}

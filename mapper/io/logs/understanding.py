@@ -10,11 +10,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.io.logs.no_return import code_for_no_return, without_code
 from mapper.io.logs.pose_clocks import pose_clock
 from mapper.io.logs.sweeps import Sweep, contradicted_sweep
-from mapper.sensors.joint_log import each_part, sensors_of, with_notes
+from mapper.io.logs.text.packing import note_on_largest_reading
+from mapper.sensors.joint_log import each_part, sensors_of, with_notes, without_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.sparse_poses import ADVICE, sparse_turns
 
 JITTER = 1.25  #: a sweep may last so much longer than the time between scans, or than the stated one
 LEAST_SCANS = 3  #: fewer tell nothing of the time between them
@@ -26,12 +29,13 @@ PAUSE = 5.0  #: usual intervals: longer times between scans are pauses
 
 
 def understood(robot: RobotLog) -> RobotLog:
-    """Return a log whose sweeps can be and do not contradict its readings, with notes on what these lack."""
+    """Return a log whose readings are distances, and whose sweeps fit them, with notes on what these lack."""
     sensors = {name: _understood(log) for name, log in robot.sensors.items()}
     return replace(robot, sensors=sensors)
 
 
 def _understood(log: ScanLog) -> ScanLog:
+    log = _with_no_return(log)
     period = time_between_scans(log.stamps_ns)
     why = [impossible_sweep(part, period) for part in sensors_of(log)]
     if any(why):
@@ -45,7 +49,9 @@ def _understood(log: ScanLog) -> ScanLog:
         log = each_part(log, lambda part: replace(part, wrong_sweep=reason))
     log, late = _by_one_clock(log)
     why += late
-    return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])
+    return with_notes(
+        log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log), *_notes_on_turns(log)]
+    )
 
 
 def _usual_reading(log: ScanLog) -> float:
@@ -56,6 +62,21 @@ def _usual_reading(log: ScanLog) -> float:
     some = log.ranges[:: 1 + log.ranges.size // ENOUGH_READINGS]
     readings = some[np.isfinite(some) & (some > 0.0)]
     return float(np.median(np.unique(readings))) if len(readings) else 0.0
+
+
+def _with_no_return(log: ScanLog) -> ScanLog:
+    """Return the log without the distance that its sensor reads where nothing returns, and a note on it."""
+    code = code_for_no_return(_longest(log))
+    if code is None:
+        return log
+    n = int(np.count_nonzero(log.ranges == np.float32(code)))
+    note = (
+        f"{n} readings ({100.0 * n / log.ranges.size:.1f} %) are exactly {code:.4g} m, the greatest there is, and "
+        "neighbouring beams read it over wider angles than any wall looks so from several places: they say that "
+        "nothing returned, and count as no return, not as a wall."
+    )
+    log = without_notes(log, note_on_largest_reading(log.ranges))
+    return with_notes(each_part(log, lambda part: without_code(part, code)), [note])
 
 
 def _longest(log: ScanLog) -> ScanLog:
@@ -148,6 +169,11 @@ def _notes_on_speed(log: ScanLog) -> list[str]:
                 "centimetres, or the times are in another unit. They are taken for metres and seconds."
             )
     return notes
+
+
+def _notes_on_turns(log: ScanLog) -> list[str]:
+    found = sparse_turns(_longest(log))
+    return [] if found is None else [f"{found.sentence} {ADVICE}"]
 
 
 def _notes_on_readings(log: ScanLog) -> list[str]:

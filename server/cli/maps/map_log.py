@@ -227,7 +227,7 @@ def _export(
 def cause_and_drift(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[str | None, str | None]:
     """Return the line on the first cause of a bad map, and where none is known the line that the poses drift."""
     cause = first_cause(log, trajectory, config)
-    if cause is None:
+    if cause is None or any(note.startswith(cause.sentence) for note in log.notes):
         return None, None
     if cause.check != DRIFT:
         return cause_line(cause), None

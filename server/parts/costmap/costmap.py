@@ -116,9 +116,15 @@ class Costmap:
 
     @property
     def blind(self) -> list[str]:
-        """The names of the layers of obstacles that see no scans."""
+        """The names of the layers of obstacles whose sources see no scans."""
         layers = zip(self._built.observed, self._built.obstacles, strict=True)
-        return [name for name, layer in layers if not layer.config.sources_of_scans()]
+        return [name for name, layer in layers if layer.config.sources and not layer.config.sources_of_scans()]
+
+    def with_other_topics(self, topics: Sequence[str]) -> list[str]:
+        """Return the names of the layers of obstacles whose sources see scans, but of none of these topics."""
+        layers = zip(self._built.observed, self._built.obstacles, strict=True)
+        seeing = [(name, layer.config) for name, layer in layers if layer.config.sources]
+        return [name for name, config in seeing if config.sources_of_scans() and not config.has_topic_of(topics)]
 
     @property
     def costs(self) -> UInt8Array:
@@ -154,12 +160,14 @@ class Costmap:
         for layer in self._built.statics:
             layer.renew(np.ascontiguousarray(state), box)
 
-    def look(self, scan: RangeScan, sensor_pose: PoseTuple | Float64Array) -> None:
-        """Mark and clear by a scan, in the layers of obstacles."""
+    def look(
+        self, scan: RangeScan, sensor_pose: PoseTuple | Float64Array, topic: str = "", topics: Sequence[str] = ()
+    ) -> None:
+        """Mark and clear by a scan, in the layers of obstacles; it is of a ``topic``, of all ``topics`` of scans."""
         for layer in self._built.obstacles:
             config = layer.config
             seen = []
-            for name in config.sources_of_scans():
+            for name in config.sources_of_scans(topic, topics):
                 source = config.source(name)
                 # How high the sensor is is not known: its scans are within the heights that are looked at.
                 least = max(0.0, source.min_obstacle_height, config.min_obstacle_height)

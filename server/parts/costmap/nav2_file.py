@@ -175,7 +175,7 @@ def _change(config: LayerConfig, kind: str, block: dict[str, Any], changes: Mapp
         names = str(block.get("observation_sources", "")).split()
         for name in names:
             block[name] = block.get(name) or {}
-        for values_of_source in [block[name] for name in names] or [block]:
+        for values_of_source in (block[name] for name in names):
             for old, (new, _) in RENAMED.items():
                 if new in of_sources:
                     values_of_source.pop(old, None)

@@ -48,6 +48,8 @@ MOST_CELLS = 5_000_000  #: of the map: each costmap holds a dozen grids of its s
 _MOST_NAMES = 12  #: of parameters in one notice
 _UNSEEN = "{} has no source of the type LaserScan: it sees nothing of the scans here."
 
+_OTHER_TOPIC = "{} has no source with the topic {}: the scans go to its sources with the first topic of a LaserScan."
+
 
 class CostmapPart(Part, Costed):
     """A costmap, from the command ``costmap`` on until the same command ends it."""
@@ -245,6 +247,10 @@ class CostmapPart(Part, Costed):
         costmap.change(exchange, self._map(exchange), self._plan)
         unused = *read.unused, *read_path.unused
         all_notes = [*read.notes, *read_path.notes, *notes, *(_UNSEEN.format(name) for name in costmap.blind)]
+        topics = self._robot().topics
+        if topics:
+            listed = ", ".join(topics)
+            all_notes += [_OTHER_TOPIC.format(name, listed) for name in costmap.with_other_topics(topics)]
         if not read.general.track_unknown_space:
             all_notes.append("track_unknown_space is off: cells that the map does not know count as free.")
         if unused:
@@ -283,7 +289,7 @@ class CostmapPart(Part, Costed):
         is_scan = robot.scan is not None and robot.number != self._number
         if is_scan and robot.scan is not None:
             self._number = robot.number
-            costmap.look(robot.scan, robot.scan_pose)
+            costmap.look(robot.scan, robot.scan_pose, robot.topic, robot.topics)
         if is_scan or are_new:
             self._is_new = False
             are_new |= costmap.update(robot.time_s, robot.pose)

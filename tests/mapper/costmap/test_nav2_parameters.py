@@ -144,7 +144,7 @@ def test_a_costmap_is_built_from_it() -> None:
         (("inflation_radius: 0.7", "inflation_radius: wide"), ConfigError, "must be a finite number, not 'wide'"),
         (("combination_method: 0", "combination_method: 7"), ConfigError, "must be 0, 1 or 2, not 7"),
         (('plugins: ["static_layer"', 'plugins: ["other"'), ConfigError, r"global_costmap\.other: .* no 'plugin'"),
-        (("robot_radius: 0.22", 'footprint: "[[1, 1], [-1, -1], [1, -1], [-1, 1]]"'), ConfigError, "crosses itself"),
+        (("robot_radius: 0.22", 'footprint: "[[1, 1], [-1, -1], [1, 101]]"'), ConfigError, "within 100 m"),
         (("amcl:", "amcl: &a"), None, ""),
         (("alpha1: 0.2", "alpha1: [0.2"), ReadError, "malformed in line"),
     ],

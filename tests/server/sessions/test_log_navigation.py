@@ -12,6 +12,7 @@ from msgspec import Struct
 from mapper.core.errors import ConfigError
 from mapper.costmap import LETHAL, cost_of_distance
 from mapper.grid import GridGeometry
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from server.library.packs.reference_map import ReferenceMap
 from server.parts.costmap import part as costmap_part
@@ -38,6 +39,7 @@ class Log:
         self.model = model
         self.answers: list[dict[str, Any]] = []
         self.notices: list[str] = []
+        self.said: list[str] = []
 
     def do(self, **command: Any) -> dict[str, Any]:
         return self.take(command_of(command))
@@ -50,6 +52,7 @@ class Log:
         self.model.draw(result)
         self.answers = sent(answer for _, answer in result.answers)
         self.notices = [notice.code for notice in result.notices]
+        self.said = [notice.message for notice in result.notices]
         return sent(self.model.messages())[-1]
 
     @property
@@ -92,6 +95,45 @@ async def test_costs_are_those_of_the_whole_map_at_each_scan(log: Log) -> None:
         near = cost_of_distance(grid.geometry.resolution, inscribed, 3.0)
         around = log.costs[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2]
         assert around.min() >= min(near, 253)
+
+
+SOURCES = """
+global_costmap:
+  global_costmap:
+    ros__parameters:
+      robot_radius: 0.2
+      plugins: [o]
+      o:
+        plugin: "nav2_costmap_2d::ObstacleLayer"
+        observation_sources: near far
+        near: {{topic: {}, max_obstacle_height: 2.0, obstacle_max_range: 0.5}}
+        far: {{topic: {}, max_obstacle_height: 2.0, obstacle_max_range: 30.0}}
+"""
+
+
+async def test_of_several_lidars_each_has_the_sources_with_its_topic(
+    registry: SessionRegistry, office_log: ScanLog
+) -> None:
+    """As in Nav2, where each source subscribes to its topic; where none has a topic of the log, the first one's see."""
+    both = JointLog.of([replace(office_log, topic=topic) for topic in ("/front", "/rear")])
+    session = await new_log(registry, "me", both, playing=False)
+    assert isinstance(session.model, LogModel)
+    log = Log(session.model)
+    log.do(type="costmap", values={"dynamic_layer": False})
+
+    def lethal(near: str, far: str) -> int:
+        log.do(type="nav2", text=SOURCES.format(near, far))
+        log.do(type="restart")
+        for index in range(1, 13):
+            log.do(type="seek", index=index)
+        return int((log.costs == LETHAL).sum())
+
+    far = lethal("/front", "rear")
+    assert far > lethal("/front", "/other") == 0
+    assert lethal("/other", "/front") == far
+    assert lethal("/none", "/other") == 0
+    log.do(type="nav2", text=SOURCES.format("/none", "/other"))
+    assert any("o has no source with the topic /front, /rear" in said for said in log.said)
 
 
 async def test_a_painted_speed_limit_is_told_where_the_robot_is(log: Log) -> None:

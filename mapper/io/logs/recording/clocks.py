@@ -18,8 +18,8 @@ def with_set_stamps(stamps_ns: NDArray[np.int64], recorded_ns: NDArray[np.int64]
     """Return the stamps (n,) of one sender, a few of which are 0, by its own clock; None where there is nothing to do.
 
     Stamps that are 0, as before a simulation's clock has come, are the times at which the messages were recorded here
-    (n,), 0 where that is not known. Where the sender's other stamps are of another clock, theirs are taken to be as far
-    from that as those of the message nearest in the recording.
+    (n,), 0 where that is not known. Where the sender's other stamps are of another clock, theirs are counted from that
+    of the message nearest in the recording, at the rate of that clock: a simulation is slower than the time, or faster.
     """
     ahead = stamps_ns - recorded_ns
     unset = (ahead == 0) & (recorded_ns != 0)
@@ -30,10 +30,18 @@ def with_set_stamps(stamps_ns: NDArray[np.int64], recorded_ns: NDArray[np.int64]
     after = np.minimum(np.searchsorted(known, places), len(known) - 1)
     before = np.maximum(after - 1, 0)
     is_before = np.abs(known[before] - places) < np.abs(known[after] - places)
-    usual = ahead[known[np.where(is_before, before, after)]]
-    if np.abs(usual[unset]).min() < FAR_NS:
+    nearest = known[np.where(is_before, before, after)]
+    if np.abs(ahead[nearest][unset]).min() < FAR_NS:
         return None
-    return np.where(unset, recorded_ns + usual, stamps_ns)
+    since = _rate(stamps_ns[known], recorded_ns[known]) * (recorded_ns - recorded_ns[nearest])
+    return np.where(unset, stamps_ns[nearest] + np.rint(since).astype(np.int64), stamps_ns)
+
+
+def _rate(stamps_ns: NDArray[np.int64], recorded_ns: NDArray[np.int64]) -> float:
+    """Return how many seconds a clock usually goes on in one of the recorder's; 1 where that is not known."""
+    passed = np.diff(recorded_ns)
+    rates = np.diff(stamps_ns)[passed > 0] / passed[passed > 0]
+    return float(np.median(rates)) if len(rates) else 1.0
 
 
 class Clock:

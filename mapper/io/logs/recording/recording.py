@@ -29,7 +29,7 @@ from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
 from mapper.io.logs.recording.tf_topics import TfTopics
-from mapper.io.logs.recording.timeline import Timeline
+from mapper.io.logs.recording.timeline import SAME_STAMP, Timeline
 from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS, NotDepthError
 from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.ros_messages import PATH, POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
@@ -338,7 +338,7 @@ class Recording(MessageSink):
             taken.tf_clock.set_to(*(np.concatenate([track[k] for track in of_tf]) for k in (0, 2)))
 
     def _take_recorded_times(self, sensors: Iterable[SensorScans]) -> None:
-        """Give messages of a sender whose clock stands, or counts whole seconds, the times at which they were recorded.
+        """Give messages that their stamps do not tell apart the times at which they were recorded.
 
         tf2 keeps one transform of a stamp, and refuses a look-up at any other time.
         """
@@ -352,16 +352,12 @@ class Recording(MessageSink):
             (f"{len(line)} transforms between two frames on {topic}", line.take_recorded_times())
             for topic, line in taken.tf.timelines
         ]
-        if any(stamps for _, stamps in of_tf):
+        if any(why for _, why in of_tf):
             taken.tf_clock.reset()
-        for what, stamps in (*counted, *of_tf):
-            if stamps == 1:
-                self.notes.append(f"All {what} have the same stamp: each gets the time at which it was recorded.")
-            elif stamps:
-                self.notes.append(
-                    f"The {what} have no more than {stamps} different stamps: each gets the time at which it was "
-                    "recorded."
-                )
+        for what, why in (*counted, *of_tf):
+            if why:
+                who = "All" if why == SAME_STAMP else "The"
+                self.notes.append(f"{who} {what} {why}: each gets the time at which it was recorded.")
 
     def finish(self) -> None:
         """Take what was held until all messages had come. Raises :class:`ReadError` where there is no such tf."""

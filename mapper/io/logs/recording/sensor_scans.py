@@ -12,7 +12,7 @@ from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_se
 from mapper.io.logs.recording.clocks import Clock, with_set_stamps
 from mapper.io.logs.recording.runs import Track
 from mapper.io.logs.recording.stream import Stream
-from mapper.io.logs.recording.timeline import Moments, are_stamps_repeated
+from mapper.io.logs.recording.timeline import Moments, why_no_stamps
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
 
@@ -81,22 +81,22 @@ class SensorScans:
     def _of_all(self, n: int) -> str:
         return f"{n} of the {self.n_scans}" if n < self.n_scans else f"All {self.n_scans}"
 
-    def take_recorded_times(self) -> int:
-        """Give scans that have the stamp of the one before the times at which they were recorded.
+    def take_recorded_times(self) -> str:
+        """Give the scans the times at which they were recorded where their stamps do not tell them apart.
 
-        Return how many stamps there were, or 0 where nothing was done: see :func:`are_stamps_repeated`.
+        Return what is wrong with the stamps, nothing where they stay: see :func:`why_no_stamps`.
         """
         stamps = np.array(self.stamps)
         recorded = self.clock.recorded(stamps)
         differ = np.frombuffer(self._is_repeated, dtype=np.int8)[1:] == 0
         if not np.ptp(stamps):  # also of a robot that stands where nothing moves
             differ = np.ones(len(stamps) - 1, dtype=np.bool_)
-        if recorded is None or not are_stamps_repeated(stamps, recorded, differ):
-            return 0
-        self.stamps, self.clock = array("q", recorded.tolist()), Clock()
-        for stamp in self.stamps:
-            self.clock.add(stamp, stamp)
-        return len(np.unique(stamps))
+        why = "" if recorded is None else why_no_stamps(stamps, recorded, differ)
+        if why and recorded is not None:
+            self.stamps, self.clock = array("q", recorded.tolist()), Clock()
+            for stamp in self.stamps:
+                self.clock.add(stamp, stamp)
+        return why
 
     def put_in_order(self, *, by_recording: bool) -> None:
         """Put the scans into the order in which they were recorded, as far as that is known.

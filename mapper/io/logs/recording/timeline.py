@@ -19,6 +19,9 @@ from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
 
 LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of messages
 LEAST_ALIKE = 3  #: messages of one stamp that are a fault of their sender
+HARDLY = 0.05  #: of the time between two messages: stamps that are less apart hardly go on
+REGULAR = 2.0  #: times the shorter intervals are the longer ones of messages that were recorded at regular intervals
+SAME_STAMP = "have the same stamp"
 SLACK_NS = 200_000_000  #: before the first and after the last pose, within which the nearest may be taken
 _SLACK_M, _SLACK_RAD = 0.05, 0.02  #: as far as the robot moves by no more meanwhile, by its speed there
 _MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: a pose that never differs by more is a mount, not a motion
@@ -45,17 +48,33 @@ class Moments:
         return Moments(self.stamps_ns + ahead_ns, self.positions)
 
 
-def are_stamps_repeated(stamps_ns: Int64Array, recorded_ns: Int64Array, differ: NDArray[np.bool_]) -> bool:
-    """Return whether most stamps (n,) of one sender are those of the message before, although the two messages differ.
+def why_no_stamps(stamps_ns: Int64Array, recorded_ns: Int64Array, differ: NDArray[np.bool_]) -> str:
+    """Return what is wrong with the stamps (n,) of one sender by which its messages cannot be told apart; else nothing.
 
-    Its clock stands, or counts whole seconds only. ``differ`` (n − 1,) says which messages differ from the one before.
-    The times at which they were recorded (n,), 0 where that is not known, have to be as far apart as messages are.
+    Most are those of the message before, although the two messages differ: its clock stands, or counts whole seconds.
+    Or most are hardly later than the one before, although the messages were recorded at regular intervals and the
+    stamps as a whole go on at their rate: parts of a second were stated in another unit. ``differ`` (n − 1,) says which
+    messages differ from the one before. The times at which they were recorded (n,), 0 where that is not known, have to
+    be as far apart as messages are.
     """
     n = len(stamps_ns)
     if n < LEAST_ALIKE or not recorded_ns.all() or np.ptp(recorded_ns) < LEAST_APART_NS * (n - 1):
-        return False
-    again = np.count_nonzero((np.diff(stamps_ns) == 0) & differ)
-    return bool((LEAST_ALIKE - 1) * (n - 1) <= LEAST_ALIKE * again)
+        return ""
+    steps, recorded = np.diff(stamps_ns), np.diff(recorded_ns)
+
+    def are_most(standing: NDArray[np.bool_]) -> bool:
+        return bool((LEAST_ALIKE - 1) * (n - 1) <= LEAST_ALIKE * np.count_nonzero(standing))
+
+    if are_most((steps == 0) & differ):
+        different = len(np.unique(stamps_ns))
+        return SAME_STAMP if different == 1 else f"have no more than {different} different stamps"
+    hardly = np.abs(steps) <= HARDLY * recorded
+    least, most = np.quantile(recorded, (0.1, 0.9))
+    rate = float(np.ptp(stamps_ns)) / float(np.ptp(recorded_ns))
+    if are_most(hardly) and most <= REGULAR * least and 1.0 / REGULAR <= rate <= REGULAR:
+        groups = 1 + int(np.count_nonzero(~hardly))
+        return f"have stamps in {groups} groups, in each of which they hardly go on"
+    return ""
 
 
 class Timeline:
@@ -117,18 +136,18 @@ class Timeline:
             np.array(self._recorded, dtype=np.int64),
         )
 
-    def take_recorded_times(self) -> int:
-        """Give poses that have the stamp of the one before, but differ from it, the times at which they were recorded.
+    def take_recorded_times(self) -> str:
+        """Give the poses the times at which they were recorded where their stamps do not tell them apart.
 
-        Return how many stamps there were, or 0 where nothing was done: see :func:`are_stamps_repeated`.
+        Return what is wrong with the stamps, nothing where they stay: see :func:`why_no_stamps`.
         """
         stamps, values = np.array(self._stamps, dtype=np.int64), np.array(self._values).reshape(-1, 7)
         differ = (values[1:] != values[:-1]).any(axis=1)
         recorded = np.array(self._recorded, dtype=np.int64)
-        if not are_stamps_repeated(stamps, recorded, differ):
-            return 0
-        self.set_to(recorded)
-        return len(np.unique(stamps))
+        why = why_no_stamps(stamps, recorded, differ)
+        if why:
+            self.set_to(recorded)
+        return why
 
     def set_stamps(self) -> None:
         """Give poses without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""

@@ -134,6 +134,7 @@ const FINDINGS: Readonly<Record<string, string>> = {
   "timing.clock": "clock of the poses",
   "timing.delay": "delay",
   "timing.increment": "motion within a scan",
+  "timing.sparse": "poses far apart in time",
   "walls.drift": "drift",
   "walls.moving": "moving things",
 };

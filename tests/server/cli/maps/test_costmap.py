@@ -77,8 +77,8 @@ def test_a_bad_parameter_file_is_one_sentence(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("robot_radius: 0.2", 'footprint: "[[1, 1], [-1, -1], [1, -1], [-1, 1]]"'),
-         "global_costmap.footprint: The footprint crosses itself: the edges from point 0 and from point 2 meet."),
+        (("robot_radius: 0.2", 'footprint: "[[1, 1], [-1, -1], [1, 101]]"'),
+         "global_costmap.footprint: The points of a footprint must be finite and within 100 m."),
         (("inflation_radius: 1.0", "inflation_radius: .nan"), "inflation_layer.inflation_radius: "),
         (("global_costmap:\n  global_costmap:", "other:\n  other:"), "has no costmap: no global_costmap or local"),
     ],

@@ -1,0 +1,35 @@
+"""Poses that are too far apart in time for the turns of the robot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mapper.diagnosis.consistency import Examined, consistency
+from mapper.diagnosis.finding import MOST_SCANS, Finding
+from mapper.sensors.scan import ScanLog
+from mapper.sensors.sparse_poses import ADVICE, sparse_turns
+
+CHECK = "timing.sparse"
+BETTER, BY = 1.06, 0.015  #: as for a delay (:mod:`mapper.diagnosis.timing`)
+LEAST_OTHERS = 0.1  #: of the scans, by which the map without those in turns is judged
+
+
+def check(stated: ScanLog, seen: Examined) -> list[Finding]:
+    """Compare the map of all scans with that of those which are not in turns between sparse poses.
+
+    ``stated`` is the log with the stamps of its poses. The scans are the cause of double walls where the beams of the
+    others agree clearly better.
+    """
+    found = sparse_turns(stated, seen.trajectory)
+    if found is None:
+        return []
+    others = ~np.isin(seen.scans, found.scans)
+    if others.mean() < LEAST_OTHERS:
+        return []
+    without = consistency(replace(seen, log=seen.log.take(np.flatnonzero(others)), scans=seen.scans[others]))
+    if without < BETTER * seen.agreement or without < seen.agreement + BY:
+        return []
+    sure = min(0.95, 0.6 + 4.0 * (without - seen.agreement))
+    return [Finding(CHECK, found.sentence, ADVICE, sure, tuple(found.scans[:MOST_SCANS].tolist()))]
