@@ -123,7 +123,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Switch the polish on and off. Name glass, metal and stone; more readings do not help.",
   },
   people: {
-    // Haehnel and others 2003; computed by the stage.
+    // Haehnel et al. 2003; computed by the stage.
     right: 1,
     answer: "Beams that pass later clear the trail; where none do, people who left long ago stay in the map.",
     notes: "Move the slider past the moment at which the robot leaves the corridor. Which assumption is broken?",
@@ -148,7 +148,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Drag the diamond along the corridor with cabinets, with doors, and bare. When is the answer wrong?",
   },
   graph: {
-    // Grisetti and others 2010: the error of a loop is spread over its poses.
+    // Grisetti et al. 2010: the error of a loop is spread over its poses.
     right: 2,
     answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
     notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
@@ -196,7 +196,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
       "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is closed.",
   },
   path: {
-    // Dijkstra 1959; Hart and others 1968; Nav2, navfn.cpp.
+    // Dijkstra 1959; Hart et al. 1968; Nav2, navfn.cpp.
     right: 1,
     answer:
       "Each cell gets the least cost of reaching it; the path is traced back from the goal. A* expands fewer cells.",
