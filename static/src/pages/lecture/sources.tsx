@@ -163,8 +163,8 @@ export const SOURCES: Readonly<Record<SourceName, ComponentChildren>> = {
   ),
   newcombe: (
     <>
-      R. A. Newcombe et al., <cite>KinectFusion: real-time dense surface mapping and tracking</cite>, IEEE
-      International Symposium on Mixed and Augmented Reality, 2011
+      R. A. Newcombe et al., <cite>KinectFusion: real-time dense surface mapping and tracking</cite>, IEEE International
+      Symposium on Mixed and Augmented Reality, 2011
     </>
   ),
   kerbl: (
