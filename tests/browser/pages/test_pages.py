@@ -108,7 +108,9 @@ def test_the_script_of_the_front_page_moves_nothing_that_its_html_shows(page: Pa
     held: list[Route] = []
     page.route("**/assets/index-*.js", lambda route: held.append(route))  # noqa: PLW0108 - Playwright marks the function
     page.goto(server, wait_until="commit")
-    shown = page.locator("header nav a, h1, .hero p b, .hero .actions a, .plate-picture, .plate-picture img, .map-legend li")
+    shown = page.locator(
+        "header nav a, h1, .hero p b, .hero .actions a, .plate-picture, .plate-picture img, .map-legend li"
+    )
     expect(shown).to_have_count(4 + 1 + 4 + 2 + 2 + 2 + 4)
     page.wait_for_function("() => [...document.querySelectorAll('link[rel=stylesheet]')].every(link => link.sheet)")
     page.evaluate("() => document.fonts.ready.then(() => undefined)")
