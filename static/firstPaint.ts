@@ -8,9 +8,12 @@ import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { crc32, deflateSync } from "node:zlib";
 import { decompress } from "fzstd";
+import { LAB, LEGEND, LOGS, MORE, SENTENCE, TITLE } from "./src/pages/firstScreen";
 import { palette } from "./src/render/map/palettes";
 import FIRST from "./src/store/firstPicture.json";
 import type { Rgb } from "./src/style/colour";
+import { ICON_PATHS, type IconName } from "./src/ui/iconPaths";
+import { SITE_PAGES } from "./src/ui/sitePages";
 import { decodeFrame } from "./src/wire/decodeFrame";
 
 /** Cells around the world that the picture shows. */
@@ -170,7 +173,7 @@ const FILES = {
 export const FIRST_PAINT_FILES: readonly Drawn[] = Object.values(FILES);
 
 const picture = (light: Drawn, dark: Drawn, label: string): string =>
-  `<picture><source srcset="/${dark.path}" media="(prefers-color-scheme: dark)"><img src="/${light.path}" alt="${label}"></picture>`;
+  `<picture><source srcset="/${dark.path}" media="(prefers-color-scheme: dark)"><img src="/${light.path}" alt="${label}" fetchpriority="high" decoding="sync"></picture>`;
 
 /** What a page that links to this one shows of it. The service makes the address of the picture absolute. */
 export const PREVIEW_TAGS = `<meta property="og:type" content="website">
@@ -181,13 +184,31 @@ export const PREVIEW_TAGS = `<meta property="og:type" content="website">
     <meta property="og:image:height" content="${PREVIEW.height}">
     <meta name="twitter:card" content="summary_large_image">`;
 
-/** What the front page shows until its script runs: its header, title and pictures in their places. */
-export const FIRST_PAINT = `<header class="site-header"><a class="site-brand" href="/"><span>Gridbloom</span></a></header>
+const icon = (name: IconName): string =>
+  `<svg class="icon" viewBox="0 0 24 24" aria-hidden="true"><path d="${ICON_PATHS[name]}"/></svg>`;
+
+const plate = (title: string, actions: string, content: string): string =>
+  `<section class="plate"><header class="plate-head"><h2>${title}</h2>${actions}</header><div class="plate-picture">${content}</div></section>`;
+
+const links = SITE_PAGES.map(({ href, label }) => `<a href="${href}">${label}</a>`).join("");
+const sentence = SENTENCE.map((part) =>
+  typeof part === "string" ? part : `<b class="noun-${part.tone}">${part.text}</b>`,
+).join("");
+const legend = LEGEND.map(
+  ({ name, label, note }) => `<li class="${name}">${label}${note ? `<span>${note}</span>` : ""}</li>`,
+).join("");
+
+/**
+ * What the front page shows until its script runs: its header, words and pictures in the places that they keep. Of the
+ * two buttons of the header, which need the script, there is the room only.
+ */
+export const FIRST_PAINT = `<header class="site-header"><a class="site-brand" href="/">${icon("logo")}<span>Gridbloom</span></a><nav aria-label="Pages">${links}</nav><span class="button quiet" aria-hidden="true">${icon("people")}<span class="class-button-text">Class</span></span><span class="button quiet icon-only" aria-hidden="true"><svg class="icon"></svg></span></header>
       <main id="main"><section class="hero first-paint" aria-label="A live map">
-        <div class="hero-head"><h1>Watch a map fill in</h1></div>
+        <div class="hero-head"><h1>${TITLE}</h1><div class="actions"><a class="button primary" href="${LAB.href}">${LAB.label}</a><a class="button" href="${LOGS.href}">${LOGS.label}</a></div><p>${sentence}</p></div>
         <div class="hero-maps">
-          <section class="plate"><header class="plate-head"><h2>The world</h2></header><div class="plate-picture">${picture(FILES.world, FILES.worldDark, "The floor plan of an office with a robot in it")}</div></section>
-          <section class="plate"><header class="plate-head"><h2>The map</h2></header><div class="plate-picture">${picture(FILES.map, FILES.mapDark, "The robot’s map of it so far")}</div></section>
+          ${plate("The world", "", picture(FILES.world, FILES.worldDark, "The floor plan of an office with a robot in it"))}
+          ${plate("The map", `<div class="plate-actions"><ul class="map-legend">${legend}</ul></div>`, picture(FILES.map, FILES.mapDark, "The robot’s map of it so far"))}
         </div>
         <div class="hero-model"><noscript><p>The maps above are pictures of the start. With JavaScript the robot drives, and its sensor model can be changed here.</p></noscript></div>
+        <p class="hero-facts"></p><a class="hero-more" href="${MORE.href}">${icon("unfold")} ${MORE.label}</a>
       </section></main>`;

@@ -30,7 +30,7 @@ from mapper.simulation.simulation import ROBOT_RADIUS
 from server.parts import wire
 from server.stream import message_parts, protocol
 from server.stream.class_messages import ClassCommand, ClassMessage
-from server.stream.close_codes import CLOSE_CODES
+from server.stream.close_codes import CLOSE_CODES, ENDED
 
 #: rows of the table of mapping parameters that the profile of the sensor model shows
 _SHOWN = [
@@ -281,6 +281,9 @@ def typescript() -> str:
         "",
         "/** Close codes after which the session may not exist any more. */",
         f"export const MAYBE_OVER: readonly number[] = {[code.code for code in CLOSE_CODES if code.may_be_over]};",
+        "",
+        "/** The close code of a session's own stream after which the session does not exist. */",
+        f"export const ENDED = {ENDED.code};",
         "",
     ]
     return "\n".join(lines)

@@ -1,3 +1,4 @@
+import { computed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { countSayers, isStalled } from "../ui/browser/awaited";
 import { Working } from "../ui/Working";
@@ -6,6 +7,12 @@ import { starting } from "./worldSession";
 
 /** Longer than a start takes once the server has compiled its functions. */
 const COMPILING_AFTER_S = 2;
+
+/** Whether a start takes long, or the server does not answer. */
+export const isDelayed = computed(() => {
+  const work = starting.value;
+  return work !== null && (isStalled.value || work.elapsed_s > COMPILING_AFTER_S);
+});
 
 interface StartingProps {
   /** A sentence on what goes on without the server; the note is then over what contains it, not in a corner. */

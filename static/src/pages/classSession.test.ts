@@ -42,8 +42,16 @@ test("a page shows the lecturer's session, a copy of its own, and the lecturer's
   room.own.value = "copy";
   room.own.value = null;
   show("lab", 2);
-  show("logs", 3);
+  show("other", 0);
   expect(ids(connected)).toEqual([null, "stage 1", "copy", "stage 1", "stage 2", null]);
+});
+
+test("while the page is loaded that the lecturer has opened, this one keeps what it shows", () => {
+  show("lab", 1);
+  const connected = watch();
+  show("lecture", 0);
+  expect(ids(connected)).toEqual(["stage 1"]);
+  expect(connected[0]?.stop).toHaveBeenCalledOnce();
 });
 
 test("once the class is over the page keeps what it shows, without a connection", () => {

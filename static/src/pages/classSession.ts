@@ -10,20 +10,22 @@ export interface Live extends Connection {
   readonly id: string;
 }
 
-/** In place of the key of a session: the class has ended. */
-const OVER = "over";
+/** In place of the key of a session: the class has ended, or the page is about to be replaced. */
+const LAST = "last";
 
 /**
  * Call `connected` with the session to show on a page, whenever it is another one; null while there is none. Once the
- * class is over the page keeps what it shows, without a connection.
+ * class is over, and while the page is loaded that the lecturer has opened, this one keeps what it shows, without a
+ * connection.
  */
 export function watchClassSession(page: SessionPage, connected: (session: Live | null) => void): void {
   const wanted = computed(() => {
     const room = classroom.value;
-    if (room?.isOver.value) return OVER;
+    if (room?.isOver.value) return LAST;
     if (!room) return null;
     if (room.own.value !== null) return `own ${room.own.value}`;
     const shown = room.shown.value;
+    if (shown && shown.view.page !== page && shown.view.page !== "other") return LAST;
     return shown && shown.view.page === page && shown.stage > 0 ? `stage ${shown.stage}` : null;
   });
   let now: Live | null = null;
@@ -34,11 +36,11 @@ export function watchClassSession(page: SessionPage, connected: (session: Live |
   effect(() => {
     const room = classroom.peek();
     const key = wanted.value;
-    if (key === OVER && now) {
+    if (key === LAST && now) {
       now.stop();
       return;
     }
-    if (!room || key === null || key === OVER) {
+    if (!room || key === null || key === LAST) {
       show(null);
       return;
     }

@@ -28,6 +28,7 @@ import { Toasts, toast } from "../ui/Toast";
 import { whyAgain } from "../wire/ask";
 import { FREE_THRESHOLD, LIVE_RANGE_MAX, LIVE_WINDOW } from "../wire/constants";
 import { exposeHook } from "./debugHook";
+import { LAB, LEGEND, LOGS, MORE, SENTENCE, TITLE } from "./firstScreen";
 import { LECTURE_PARTS } from "./lecture/lessons";
 import { Starting } from "./Starting";
 import { shownStore } from "./shownStore";
@@ -56,6 +57,15 @@ const shown = shownStore(
   computed(() => connection.value?.store ?? null),
   hadWorld() ? null : firstPicture(),
 );
+
+const app = document.getElementById("app") as HTMLElement;
+/** The pictures of the world and of the map that the page showed until this script ran; none of a world that goes on. */
+const htmlPictures = hadWorld() ? [] : [...app.querySelectorAll("picture")];
+
+/** A picture of the HTML below the one that is drawn: without it the place would be empty until that is painted. */
+function FirstPicture({ of }: { readonly of: Element | undefined }) {
+  return <div class="first-picture" aria-hidden="true" ref={(place) => of && place?.append(of)} />;
+}
 
 /** The picture of the belief. */
 let beliefPicture: Picture | null = null;
@@ -95,29 +105,37 @@ function Hero() {
     const notice = connection.value?.store.notice.value;
     if (notice) toast(notice.message, notice.kind);
   });
-  const lab = session.value ? `/lab.html?session=${encodeURIComponent(session.value)}` : "/lab.html";
+  const lab = session.value ? `/lab.html?session=${encodeURIComponent(session.value)}` : LAB.href;
   return (
     <section class="hero" aria-label="A live map">
       <div class="hero-head">
-        <h1>Watch a map fill in</h1>
+        <h1>{TITLE}</h1>
         <div class="actions">
           <Button kind="primary" href={lab}>
-            Open the lab
+            {LAB.label}
           </Button>
-          <Button href="/logs.html">Open a robot log</Button>
+          <Button href={LOGS.href}>{LOGS.label}</Button>
           {reducedMotion.value && store && <Steps store={store} />}
         </div>
         <p>
-          A <b class="noun-robot">robot</b> drives through unknown rooms. The cells that a{" "}
-          <b class="noun-beam">laser beam</b> passes are probably <b class="noun-miss">free</b>, the cell that it hits
-          is probably <b class="noun-hit">occupied</b>; the map is the sum of this evidence.
+          {SENTENCE.map((part) =>
+            typeof part === "string" ? (
+              part
+            ) : (
+              <b key={part.tone} class={`noun-${part.tone}`}>
+                {part.text}
+              </b>
+            ),
+          )}
         </p>
       </div>
       <div class="hero-maps">
         <Plate title="The world" note={inHand("click to teleport the robot")}>
+          <FirstPicture of={htmlPictures[0]} />
           {pictured && <WorldView store={pictured} />}
         </Plate>
         <Plate title="The map" actions={<Legend />}>
+          <FirstPicture of={htmlPictures[1]} />
           {pictured && (
             <BeliefView store={pictured} onTap={(point) => pictured.teleport(point)} onPicture={onPicture} />
           )}
@@ -130,8 +148,8 @@ function Hero() {
       </div>
       <Model />
       <Facts />
-      <a class="hero-more" href="#cell">
-        <Icon name="unfold" /> One cell, the lecture, your own log
+      <a class="hero-more" href={MORE.href}>
+        <Icon name="unfold" /> {MORE.label}
       </a>
     </section>
   );
@@ -141,10 +159,12 @@ function Hero() {
 function Legend() {
   return (
     <ul class="map-legend">
-      <li class="occupied">occupied</li>
-      <li class="free">free (white in RViz)</li>
-      <li class="undecided">unknown</li>
-      <li class="unobserved">never seen</li>
+      {LEGEND.map(({ name, label, note }) => (
+        <li key={name} class={name}>
+          {label}
+          {note && <span>{note}</span>}
+        </li>
+      ))}
     </ul>
   );
 }
@@ -360,8 +380,7 @@ function Page() {
 }
 
 showOther();
-const app = document.getElementById("app") as HTMLElement;
-app.replaceChildren(); // the picture that the page showed until this script ran
+app.replaceChildren(); // what the page showed until this script ran
 render(
   <>
     <SiteHeader current="home">

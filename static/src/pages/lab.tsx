@@ -16,7 +16,7 @@ import { connect } from "../store/connect";
 import { firstPicture } from "../store/firstPicture";
 import type { Store } from "../store/store";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
-import { slidesAround } from "../tools/classroom/pageInSlide";
+import { slidesAround, tellOfNote } from "../tools/classroom/pageInSlide";
 import { followPages, loadingPage } from "../tools/classroom/pages";
 import type { Comparison } from "../tools/compare/comparison";
 import { useComparison } from "../tools/compare/SecondMap";
@@ -40,7 +40,7 @@ import { groupsOf } from "./lab/groups";
 import { groupFromAddress, namesNoWorld, visibleState } from "./lab/link";
 import { keepAddress, openSession, restore } from "./lab/session";
 import { KINDS, type LabPictures, lastLayout, PRESETS, viewsOf, WORLD_AND_MAP } from "./lab/views";
-import { Starting } from "./Starting";
+import { isDelayed, Starting } from "./Starting";
 import { hasPicture, shownStore } from "./shownStore";
 import { useClass } from "./useClass";
 import { replay } from "./worldSession";
@@ -213,6 +213,9 @@ function Lab() {
         isSeen.value = true;
       }),
     );
+  });
+  useSignalEffect(() => {
+    if (isDelayed.value || trouble.value || replay.value || live.value?.trouble.value) tellOfNote();
   });
   const isAwaited = isFollowing && !isSeen.value;
   useEffect(() => {

@@ -2,7 +2,7 @@
 
 import type { ReadonlySignal } from "@preact/signals";
 import { addressOf, socketAddress } from "../wire/ask";
-import type { Command } from "../wire/protocol";
+import { type Command, ENDED } from "../wire/protocol";
 import { Store } from "./store";
 import { type Status, Stream } from "./stream";
 
@@ -29,7 +29,7 @@ export function connect(session: string): Connection {
   const path = addressOf("GET /api/sessions/{session_id}", { session_id: session });
   return connection(
     (page) => `${path}/stream?page=${page}`,
-    path,
+    async (code) => code === ENDED || (await isGone(path)),
     () => true,
   );
 }
@@ -43,19 +43,19 @@ export function connectToClass(code: string, drives: () => boolean): Connection 
   const path = addressOf("GET /api/classes/{code}", { code });
   return connection(
     () => `${path}/session`,
-    path,
+    () => isGone(path), // a session that ended is one that the class no longer shows
     ({ type }) => HARMLESS.includes(type) || (DRIVING.includes(type) && drives()),
   );
 }
 
 function connection(
   streamPath: (page: string) => string,
-  statePath: string,
+  isOver: (code?: number) => Promise<boolean>,
   may: (command: Command) => boolean,
 ): Connection {
   let stream: Stream;
   const store = new Store((command) => may(command) && stream.send(command));
-  stream = new Stream(socketAddress(streamPath(store.page)), store, () => isGone(statePath));
+  stream = new Stream(socketAddress(streamPath(store.page)), store, isOver);
   const { status, trouble } = stream;
   return { store, stream, status, trouble, start: () => stream.start(), stop: () => stream.stop() };
 }

@@ -98,7 +98,7 @@ export class Stream {
   readonly #url: string;
   readonly #receiver: Receiver;
   readonly #environment: Environment;
-  readonly #isGone: () => Promise<boolean>;
+  readonly #isGone: (code?: number) => Promise<boolean>;
   #socket: Socket | null = null;
   #failures = 0;
   #unreadable = 0;
@@ -109,8 +109,16 @@ export class Stream {
   #unwatch: (() => void) | null = null;
   #stopListening: (() => void) | null = null;
 
-  /** `isGone` asks the server whether the session has ended; `status` is then "gone" and the stream stops. */
-  constructor(url: string, receiver: Receiver, isGone: () => Promise<boolean>, environment: Environment = browser) {
+  /**
+   * `isGone` says whether the session has ended, from the code with which the server closed the socket or by asking the
+   * server; `status` is then "gone" and the stream stops.
+   */
+  constructor(
+    url: string,
+    receiver: Receiver,
+    isGone: (code?: number) => Promise<boolean>,
+    environment: Environment = browser,
+  ) {
     this.#url = url;
     this.#receiver = receiver;
     this.#isGone = isGone;
@@ -205,7 +213,7 @@ export class Stream {
       }
     };
     socket.onclose = ({ code }) => {
-      this.#lost(CLOSE_SENTENCES[code], MAYBE_OVER.includes(code));
+      this.#lost(CLOSE_SENTENCES[code], MAYBE_OVER.includes(code) ? code : undefined);
     };
   }
 
@@ -245,8 +253,8 @@ export class Stream {
     this.stop();
   }
 
-  /** `mayBeOver`: the page asks at once whether the session still exists, and waits only if it does. */
-  #lost(why = "The server does not answer.", mayBeOver = false): void {
+  /** With a code of `MAYBE_OVER` the page asks at once whether the session still exists, and waits only if it does. */
+  #lost(why = "The server does not answer.", code?: number): void {
     this.#disconnect();
     if (this.#stopped || this.#environment.hidden()) return;
     batch(() => {
@@ -254,7 +262,7 @@ export class Stream {
       // The first error is kept until the server answers again.
       this.trouble.value ??= `${why} The page tries again by itself.`;
     });
-    if (mayBeOver) void this.#unlessGone(() => this.#wait());
+    if (code !== undefined) void this.#unlessGone(() => this.#wait(), code);
     else this.#wait();
   }
 
@@ -269,8 +277,8 @@ export class Stream {
   }
 
   /** Go on if the session still exists, and the page has not connected or been hidden while the server was asked. */
-  async #unlessGone(goOn: () => void): Promise<void> {
-    if (await this.#isGone()) this.#end("gone", "This session has ended.");
+  async #unlessGone(goOn: () => void, code?: number): Promise<void> {
+    if (await this.#isGone(code)) this.#end("gone", "This session has ended.");
     else if (!this.#stopped && !this.#socket && !this.#environment.hidden()) goOn();
   }
 }

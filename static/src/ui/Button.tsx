@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
-import { Icon, type IconName } from "./Icon";
+import { Icon } from "./Icon";
+import type { IconName } from "./iconPaths";
 
 interface ButtonProps {
   readonly onClick?: (event: MouseEvent) => void;

@@ -2,6 +2,7 @@ import type { ComponentChildren } from "preact";
 import { Button } from "./Button";
 import { isDark, theme } from "./browser/theme";
 import { Icon } from "./Icon";
+import { SITE_PAGES } from "./sitePages";
 
 /** Switch between light and dark; a choice equal to the device's scheme is stored as "system". */
 function ThemeToggle() {
@@ -19,13 +20,6 @@ function ThemeToggle() {
     />
   );
 }
-
-const PAGES = [
-  { href: "/lecture.html", label: "Lecture", id: "lecture" },
-  { href: "/lab.html", label: "Lab", id: "lab" },
-  { href: "/logs.html", label: "Logs", id: "logs" },
-  { href: "/puzzles.html", label: "Puzzles", id: "puzzles" },
-] as const;
 
 /** Whether this page stands within another one: a slide, or the speaker's window. */
 const isFramed = parent !== window;
@@ -54,7 +48,7 @@ export function SiteHeader({ current, links = true, children }: SiteHeaderProps)
       </a>
       {links && (
         <nav aria-label="Pages">
-          {PAGES.map((page) => (
+          {SITE_PAGES.map((page) => (
             <a key={page.id} href={page.href} {...(page.id === current ? { "aria-current": "page" } : {})}>
               {page.label}
             </a>

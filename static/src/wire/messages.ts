@@ -2303,3 +2303,6 @@ export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {
 
 /** Close codes after which the session may not exist any more. */
 export const MAYBE_OVER: readonly number[] = [4404, 4410];
+
+/** The close code of a session's own stream after which the session does not exist. */
+export const ENDED = 4410;

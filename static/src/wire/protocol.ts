@@ -62,7 +62,7 @@ export type {
   WorkingMessage,
   WorldMessage,
 } from "./messages";
-export { CLOSE_SENTENCES, MAYBE_OVER, SUBPROTOCOL } from "./messages";
+export { CLOSE_SENTENCES, ENDED, MAYBE_OVER, SUBPROTOCOL } from "./messages";
 
 /** Cells along the side of a tile. */
 export const TILE: Geometry["tile"] = 64;

@@ -103,6 +103,27 @@ COLOURS = """canvas => {
 }"""
 
 
+@pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
+def test_the_script_of_the_front_page_moves_nothing_that_its_html_shows(page: Page, server: str) -> None:
+    held: list[Route] = []
+    page.route("**/assets/index-*.js", lambda route: held.append(route))  # noqa: PLW0108 - Playwright marks the function
+    page.goto(server, wait_until="commit")
+    shown = page.locator(
+        "header nav a, h1, .hero p b, .hero .actions a, .plate-picture, .plate-picture img, .map-legend li"
+    )
+    expect(shown).to_have_count(4 + 1 + 4 + 2 + 2 + 2 + 4)
+    page.wait_for_function("() => [...document.querySelectorAll('link[rel=stylesheet]')].every(link => link.sheet)")
+    page.evaluate("() => document.fonts.ready.then(() => undefined)")
+    before = [(one.text_content(), one.bounding_box()) for one in shown.all()]
+    until("the script to be asked for", lambda: held)
+    held[0].continue_()
+    expect(page.get_by_role("button", name="Class", exact=True)).to_be_visible()
+    after = [(one.text_content(), one.bounding_box()) for one in shown.all()]
+    assert [text for text, _ in after] == [text for text, _ in before]
+    for (text, box), (_, earlier) in zip(after, before, strict=True):
+        assert box == pytest.approx(earlier, abs=1), text
+
+
 @pytest.mark.parametrize("name", ["", "lab.html"])
 def test_a_new_world_is_shown_before_its_session_says_anything(page: Page, server: str, name: str) -> None:
     page.route_web_socket(re.compile("/stream"), lambda _: None)  # it opens, and nothing arrives

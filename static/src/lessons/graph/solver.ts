@@ -1,6 +1,6 @@
 /**
  * Least squares over a pose graph: a TypeScript version of mapper/slam/textbook.py and of mapper/slam/optimise.py, tested
- * on the same vectors (graph.vectors.json). Sources: Grisetti and others 2010 (the least squares), Yang and others 2020
+ * on the same vectors (graph.vectors.json). Sources: Grisetti et al. 2010 (the least squares), Yang et al. 2020
  * (the kernel whose scale shrinks), Zhang 1997 (the weights).
  */
 

@@ -106,7 +106,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
               </text>
             ))}
             <text x={x(RANGE_MAX)} y={HEIGHT - 6} text-anchor="end">
-              reading z, m
+              reading z (m)
             </text>
             <text x={x(0)} y={14}>
               p(z | x, m), square-root scale

@@ -128,7 +128,7 @@ function InverseChart({ mix, z, prior }: ChartProps) {
               </text>
             ))}
             <text x={x(RANGE_MAX)} y={HEIGHT - 6} text-anchor="end">
-              distance r of a cell along the beam, m
+              distance r of a cell along the beam (m)
             </text>
             <text x={0} y={14}>
               evidence for occupied, ℓ − ℓ₀

@@ -1,7 +1,7 @@
 /**
  * Scan matching in the plane: TypeScript versions of the functions in mapper/matching/textbook.py, tested on the same
  * vectors (matching.vectors.json). Sources: Besl & McKay 1992 and Arun, Huang & Blostein 1987 (point to point), Censi
- * 2008 (point to line), Chetverikov and others 2002 (trimming), Olson 2009 (correlative).
+ * 2008 (point to line), Chetverikov et al. 2002 (trimming), Olson 2009 (correlative).
  */
 
 import { toLattice } from "../../grid/lattice";

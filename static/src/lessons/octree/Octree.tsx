@@ -77,7 +77,7 @@ export function Octree() {
     <div class="stack-narrow">
       <div class="figure-controls no-print">
         <Choice
-          label="Finest cells, cm"
+          label="Finest cells (cm)"
           options={RESOLUTIONS}
           value={String(resolution.value)}
           sentence="Side of the finest cells of the octree, and of all cells of the dense grid."

@@ -2,7 +2,7 @@
  * The floor of the stage in three dimensions as an octree: leaves are occupied or free, and eight children of one state
  * are one node. Unknown space has no nodes.
  *
- * Source: Hornung and others 2013, OctoMap. Metres, x right, y up on the stage, z above the floor.
+ * Source: Hornung et al. 2013, OctoMap. Metres, x right, y up on the stage, z above the floor.
  */
 
 import type { Wall } from "../common/world";

@@ -33,6 +33,8 @@ const LEAST_NUMBER = 20;
 const LEAST_VALUES = 46;
 /** Log-odds above which a cell is painted so strongly that its text has the colour of the page. */
 const DARK = 2;
+/** Half the width of the label of a reading, CSS pixels. */
+const LABEL_HALF = 112;
 
 /** First and last row and column of the cells in view. */
 function inView(transform: StageTransform, { map }: MarkProps["shown"]) {
@@ -189,7 +191,7 @@ function Frame({ transform, scene, shown }: MarkProps) {
   ];
   const lattice = { origin: [ox, oy, 0] as const, resolution: side };
   const cell = reading && cellAt(lattice, reading.end[0], reading.end[1]);
-  const far = reading ? [transform.x(reading.end[0]), transform.y(reading.end[1])] : [0, 0];
+  const far: readonly [number, number] = reading ? [transform.x(reading.end[0]), transform.y(reading.end[1])] : [0, 0];
   return (
     <>
       <path class="cell-lines" d={lines.join("")} />
@@ -208,7 +210,12 @@ function Frame({ transform, scene, shown }: MarkProps) {
             d={`M${transform.x(reading.pose[0])} ${transform.y(reading.pose[1])}L${far[0]} ${far[1]}`}
           />
           <circle class="world-stage-end" cx={far[0]} cy={far[1]} r={6} />
-          <text class="world-stage-label beam" x={transform.width - 10} y={24} text-anchor="end">
+          <text
+            class="world-stage-label beam"
+            x={Math.max(LABEL_HALF, Math.min(far[0], transform.width - LABEL_HALF))}
+            y={far[1] + 28}
+            text-anchor="middle"
+          >
             ({written(reading.end[0], 2)}, {written(reading.end[1], 2)}) m → column {cell.col}, row {cell.row}
           </text>
         </>
@@ -267,7 +274,7 @@ function Beam({ transform, scene, shown, step }: BeamProps) {
       <path class="world-stage-beam" d={`M${at(0)}L${at(range)}`} />
       {half > 0 && <path class="world-stage-beam-window" d={`M${at(range - half)}L${at(range + half)}`} />}
       {step >= 1 && <circle class="world-stage-end" cx={transform.x(end[0])} cy={transform.y(end[1])} r={6} />}
-      <text class="world-stage-label beam" x={transform.x(end[0]) + 10} y={transform.y(end[1]) - 10}>
+      <text class="world-stage-label beam" x={transform.x(end[0]) + 12} y={transform.y(end[1]) - 16}>
         z = {written(range, 2)} m
       </text>
       {step === 2 && (
@@ -369,7 +376,7 @@ function Cone({ transform, scene, shown }: MarkProps) {
       <path class="world-stage-cones" d={`M${transform.x(pose[0])} ${transform.y(pose[1])}L${arc(range + half)}Z`} />
       <path class="world-stage-arc" d={`M${arc(range - half)}M${arc(range + half)}`} />
       <circle class="world-stage-end" cx={transform.x(end[0])} cy={transform.y(end[1])} r={6} />
-      <text class="world-stage-label beam" x={transform.x(end[0]) + 10} y={transform.y(end[1]) - 10}>
+      <text class="world-stage-label beam" x={transform.x(end[0]) + 12} y={transform.y(end[1]) - 16}>
         z = {written(range, 2)} m
       </text>
     </>

@@ -97,7 +97,7 @@ export function Profiles(props: ProfilesProps) {
             ))}
 
             <text class="tsdf-title" x={LEFT} y={DISTANCE.to - 8}>
-              signed distance D, m
+              signed distance D (m)
             </text>
             <Unknown cells={voxels.map(({ weight }) => weight === 0)} text="nothing stored" x={x} scale={DISTANCE} />
             <path class="tsdf-zero" d={`M${LEFT} ${d(0)}H${width - RIGHT}`} />

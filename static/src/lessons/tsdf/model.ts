@@ -3,7 +3,7 @@
  * adds them, and signed distances as `mapper/volume/surface/textbook.py` averages them. Metres from the sensor; voxel k
  * is from k · RESOLUTION to (k + 1) · RESOLUTION.
  *
- * Source: Hornung and others 2013, OctoMap; Curless and Levoy 1996, section 3; Newcombe and others 2011, section 3.3.
+ * Source: Hornung et al. 2013, OctoMap; Curless and Levoy 1996, section 3; Newcombe et al. 2011, section 3.3.
  */
 
 import { logOdds } from "../../grid/cellValues";

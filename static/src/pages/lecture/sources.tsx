@@ -13,30 +13,30 @@ export const SHORT = {
   "besl-mckay": "Besl and McKay 1992",
   censi: "Censi 2008",
   olson: "Olson 2009",
-  hess: "Hess and others 2016",
+  hess: "Hess et al. 2016",
   ransac: "Fischler and Bolles 1981",
-  montemerlo: "Montemerlo and others 2002",
-  gmapping: "Grisetti and others 2007",
-  grisetti: "Grisetti and others 2010",
+  montemerlo: "Montemerlo et al. 2002",
+  gmapping: "Grisetti et al. 2007",
+  grisetti: "Grisetti et al. 2010",
   zhang: "Zhang 1997",
-  yang: "Yang and others 2020",
-  kuemmerle: "Kümmerle and others 2009",
+  yang: "Yang et al. 2020",
+  kuemmerle: "Kümmerle et al. 2009",
   bresenham: "Bresenham 1965",
   "amanatides-woo": "Amanatides and Woo 1987",
   octomap: "OctoMap 2013",
   "curless-levoy": "Curless and Levoy 1996",
-  newcombe: "Newcombe and others 2011",
-  kerbl: "Kerbl and others 2023",
-  mildenhall: "Mildenhall and others 2020",
+  newcombe: "Newcombe et al. 2011",
+  kerbl: "Kerbl et al. 2023",
+  mildenhall: "Mildenhall et al. 2020",
   ieee754: "IEEE 754",
-  "reflection-maps": "Hähnel and others 2003",
-  dellaert: "Dellaert and others 1999",
+  "reflection-maps": "Hähnel et al. 2003",
+  dellaert: "Dellaert et al. 1999",
   amcl: "Nav2 AMCL",
   "nav2-costmap": "Nav2 Costmap 2D",
   "nav2-inflation": "Nav2 Inflation Layer",
   "nav2-navfn": "Nav2 NavFn",
   "dijkstra-1959": "Dijkstra 1959",
-  hart: "Hart and others 1968",
+  hart: "Hart et al. 1968",
   "slam-toolbox": "Macenski and Jambrecic 2021",
   "rep-103": "REP 103",
   "rep-105": "REP 105",
@@ -136,7 +136,7 @@ export const SOURCES: Readonly<Record<SourceName, ComponentChildren>> = {
   ),
   kuemmerle: (
     <>
-      R. Kümmerle and others, <cite>On measuring the accuracy of SLAM algorithms</cite>, Autonomous Robots 27 (4), 2009
+      R. Kümmerle et al., <cite>On measuring the accuracy of SLAM algorithms</cite>, Autonomous Robots 27 (4), 2009
     </>
   ),
   bresenham: (
@@ -151,7 +151,7 @@ export const SOURCES: Readonly<Record<SourceName, ComponentChildren>> = {
   ),
   octomap: (
     <>
-      A. Hornung and others, <cite>OctoMap: an efficient probabilistic 3D mapping framework based on octrees</cite>,
+      A. Hornung et al., <cite>OctoMap: an efficient probabilistic 3D mapping framework based on octrees</cite>,
       Autonomous Robots 34, 2013
     </>
   ),
@@ -163,8 +163,8 @@ export const SOURCES: Readonly<Record<SourceName, ComponentChildren>> = {
   ),
   newcombe: (
     <>
-      R. A. Newcombe and others, <cite>KinectFusion: real-time dense surface mapping and tracking</cite>, IEEE
-      International Symposium on Mixed and Augmented Reality, 2011
+      R. A. Newcombe et al., <cite>KinectFusion: real-time dense surface mapping and tracking</cite>, IEEE International
+      Symposium on Mixed and Augmented Reality, 2011
     </>
   ),
   kerbl: (
@@ -176,7 +176,7 @@ export const SOURCES: Readonly<Record<SourceName, ComponentChildren>> = {
   ),
   mildenhall: (
     <>
-      B. Mildenhall and others, <cite>NeRF: representing scenes as neural radiance fields for view synthesis</cite>,
+      B. Mildenhall et al., <cite>NeRF: representing scenes as neural radiance fields for view synthesis</cite>,
       European Conference on Computer Vision, 2020
     </>
   ),

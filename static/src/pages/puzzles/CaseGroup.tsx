@@ -34,8 +34,8 @@ interface AnswerProps {
 export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
   const { answer } = attempt;
   const top = useRef<HTMLDivElement>(null);
-  // The settings that solved the puzzle may have been far down in the panel.
-  useEffect(() => top.current?.scrollIntoView({ block: "nearest" }), []);
+  // What solved the puzzle may have been far down in the panel, which on a phone is lower than the answer is high.
+  useEffect(() => top.current?.scrollIntoView({ block: "start" }), []);
   if (!answer) return null;
   const rows = store.hello.value?.parameters.table ?? [];
   const said = Object.entries(answer.repair).map(([name, value]) => {
@@ -307,7 +307,7 @@ function Repair({ store, attempt, onCheck, isChecking, openGroup }: RepairProps)
         {progressText(attempt)}
       </p>
       <div class="actions">
-        <Button kind="primary" disabled={isChecking} onClick={onCheck}>
+        <Button kind={attempt.answer ? undefined : "primary"} disabled={isChecking} onClick={onCheck}>
           {isChecking ? "Checking …" : "Check the map"}
         </Button>
         <Button

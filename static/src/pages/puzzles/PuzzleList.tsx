@@ -123,7 +123,7 @@ function Card({ puzzle, points, onOpen }: CardProps) {
       <h3>{puzzle.title}</h3>
       <p class="card-text">{puzzle.story}</p>
       <div class="actions">
-        <Button kind="primary" label={`Open ${puzzle.title}`} onClick={() => onOpen(puzzle.name)}>
+        <Button label={`Open ${puzzle.title}`} onClick={() => onOpen(puzzle.name)}>
           Open
         </Button>
         {lecturersClass.value && <Button onClick={() => void give(puzzle.name)}>Give to the class</Button>}

@@ -68,7 +68,7 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
             </text>
           ))}
         <text class="tick-x" x={width - RIGHT} y={HEIGHT - 6} text-anchor="end">
-          distance from an obstacle, m
+          distance from an obstacle (m)
         </text>
         <rect class="inscribed" x={x(0)} y={TOP} width={x(Math.min(inscribed, reach)) - x(0)} height={BOTTOM - TOP} />
         <line class="circumscribed" x1={x(circumscribed)} x2={x(circumscribed)} y1={TOP} y2={BOTTOM} />

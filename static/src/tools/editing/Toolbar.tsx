@@ -1,6 +1,7 @@
 import type { Tool } from "../../store/editing";
 import type { Store } from "../../store/store";
-import { Icon, type IconName } from "../../ui/Icon";
+import { Icon } from "../../ui/Icon";
+import type { IconName } from "../../ui/iconPaths";
 import "./toolbar.css";
 
 const TOOLS: readonly { readonly tool: Tool; readonly icon: IconName; readonly label: string }[] = [

@@ -121,7 +121,7 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
           </text>
         ))}
         <text class="tick-x" x={width - RIGHT} y={HEIGHT - 3} text-anchor="end">
-          {isBeam ? "reading, m" : "distance of its end from the nearest wall, m"}
+          {isBeam ? "reading (m)" : "distance of its end from the nearest wall (m)"}
         </text>
         {isBeam && (
           <>

@@ -8,7 +8,7 @@ import { Button } from "../../ui/Button";
 import { switched } from "../../ui/bound";
 import { inHand } from "../../ui/browser/media";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
-import type { IconName } from "../../ui/Icon";
+import type { IconName } from "../../ui/iconPaths";
 import { written } from "../../ui/numbers";
 import { PlaceForm } from "../../ui/PlaceForm";
 import { measuredText, scaleBar, scaleText } from "./model";

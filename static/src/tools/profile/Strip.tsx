@@ -147,11 +147,11 @@ export function DistanceTitle({ layout }: { layout: Layout }) {
   const { strip, height, width } = layout;
   return height - strip.bottom > 50 ? (
     <text class="axis-title" x={(strip.left + strip.right) / 2} y={strip.bottom + 50} text-anchor="middle">
-      distance r along the beam, m
+      distance r along the beam (m)
     </text>
   ) : (
     <text class="axis-title" x={width - 2} y={strip.bottom + 31} text-anchor="end">
-      r, m
+      r (m)
     </text>
   );
 }

@@ -1,5 +1,6 @@
 import type { Signal } from "@preact/signals";
-import { Icon, type IconName } from "../Icon";
+import { Icon } from "../Icon";
+import type { IconName } from "../iconPaths";
 import { Select } from "../Select";
 import { ARRANGEMENTS, type Arrangement, arranged, type Layout, written } from "./layout";
 import "./stage.css";

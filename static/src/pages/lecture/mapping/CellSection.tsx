@@ -86,9 +86,12 @@ function Derivation() {
       <Line
         why={
           <>
-            Bayes’ rule for the newest reading z<sub>t</sub>. Two <b>Markov assumptions</b>: given the cell, older
-            readings do not help to predict the new one (strictly true only given the whole map); and the new pose alone
-            says nothing about the cell.
+            Bayes’ rule for the newest reading <i>z</i>
+            <sub>
+              <i>t</i>
+            </sub>
+            . Two <b>Markov assumptions</b>: given the cell, older readings do not help to predict the new one (strictly
+            true only given the whole map); and the new pose alone says nothing about the cell.
           </>
         }
       >
@@ -115,8 +118,20 @@ function Derivation() {
         why={
           <>
             Bayes’ rule again, in the other direction. Now only the <b class="noun-beam">inverse model</b> is needed:
-            the probability of the cell given one reading. The <b>independence of map and poses</b> is used here: p(m
-            <sub>i</sub> ∣ x<sub>t</sub>) = p(m<sub>i</sub>), the <b class="noun-prior">prior</b>.
+            the probability of the cell given one reading. The <b>independence of map and poses</b> is used here:{" "}
+            <i>p</i>(<i>m</i>
+            <sub>
+              <i>i</i>
+            </sub>{" "}
+            ∣ <i>x</i>
+            <sub>
+              <i>t</i>
+            </sub>
+            ) = <i>p</i>(<i>m</i>
+            <sub>
+              <i>i</i>
+            </sub>
+            ), the <b class="noun-prior">prior</b>.
           </>
         }
       >
@@ -138,8 +153,12 @@ function Derivation() {
       <Line
         why={
           <>
-            The same for the free cell ¬m<sub>i</sub>; then divide. The factors that are hard to know cancel out. What
-            remains: the odds from the new reading, times the odds before it, divided by the prior odds.
+            The same for the free cell ¬<i>m</i>
+            <sub>
+              <i>i</i>
+            </sub>
+            ; then divide. The factors that are hard to know cancel out. What remains: the odds from the new reading,
+            times the odds before it, divided by the prior odds.
           </>
         }
       >
@@ -252,7 +271,7 @@ function LastUpdate() {
         {written(before + evidence, 2)}
         {clamped && `, clamped to ${written(after, 2)}`}
       </span>
-      , which is p = {written(probability(after), 2)}.
+      , which is <i>p</i> = {written(probability(after), 2)}.
     </p>
   );
 }
@@ -276,14 +295,14 @@ export function CellSection(head: SectionHead) {
           <LastUpdate />
           <p>
             Why is adding enough? This is the <b>binary Bayes filter for a static state</b>: the cell does not change,
-            so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor (two of p
-            = 0.7 by 7/3 · 7/3), and the logarithm turns the product into a sum.
+            so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor (two of{" "}
+            <i>p</i> = 0.7 by 7/3 · 7/3), and the logarithm turns the product into a sum.
           </p>
           <Derivation />
           <p>
-            A reading adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. The prior, 0 for
-            p = 0.5, is subtracted because the inverse model contains it: otherwise every reading would count it again.
-            The order of the readings does not matter, except at the dashed lines, where ℓ is <em>clamped</em> (
+            A reading adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. The prior, 0 for{" "}
+            <i>p</i> = 0.5, is subtracted because the inverse model contains it: otherwise every reading would count it
+            again. The order of the readings does not matter, except at the dashed lines, where ℓ is <em>clamped</em> (
             <SectionLink to="forgetting" />
             ).
           </p>
@@ -291,11 +310,18 @@ export function CellSection(head: SectionHead) {
       }
     >
       <p>
-        The state of a cell is constant (assumption 2): either m<sub>i</sub> (occupied) or ¬m
-        <sub>i</sub> (free). Its odds are p/(1 − p), occupied to free. The map stores their natural logarithm, the
-        log-odds <b class="noun-robot">ℓ</b> = log(p/(1 − p)): 0.85 for p = 0.7; above 0 the cell is more likely
-        occupied, below 0 more likely free; p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is{" "}
-        <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
+        The state of a cell is constant (assumption 2): either <i>m</i>
+        <sub>
+          <i>i</i>
+        </sub>{" "}
+        (occupied) or ¬<i>m</i>
+        <sub>
+          <i>i</i>
+        </sub>{" "}
+        (free). Its odds are <i>p</i>/(1 − <i>p</i>), occupied to free. The map stores their natural logarithm, the
+        log-odds <b class="noun-robot">ℓ</b> = log(<i>p</i>/(1&nbsp;−&nbsp;<i>p</i>)): 0.85 for <i>p</i> = 0.7; above 0
+        the cell is more likely occupied, below 0 more likely free; <i>p</i> = 1 is +∞, <i>p</i> = 0 is −∞. Before the
+        first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
       </p>
       <p>
         A <b class="noun-hit">hit</b>, a beam that ended in the cell, adds{" "}

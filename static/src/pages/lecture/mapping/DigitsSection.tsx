@@ -52,7 +52,7 @@ export function DigitsSection(head: SectionHead) {
     >
       <p>
         Probability, odds and log-odds describe the same belief. Why store the logarithm? A wall is seen in many scans,
-        so p comes close to 1, and just below 1 the numbers of 32 bits lie 2<sup>−24</sup> apart.
+        so <i>p</i> comes close to 1, and just below 1, 32-bit numbers are 2<sup>−24</sup> apart.
       </p>
       <p>
         In the figure a cell is hit{" "}
@@ -99,8 +99,11 @@ export function DigitsSection(head: SectionHead) {
           }}
           after=","
         />{" "}
-        a single miss p = {(1 - pHit).toFixed(2)}. Everything is computed in 32 bits: Bayes’ rule for{" "}
-        <b class="noun-beam">p</b>, a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>.
+        a single miss <i>p</i> = {(1 - pHit).toFixed(2)}. Everything is computed in 32 bits: Bayes’ rule for{" "}
+        <b class="noun-beam">
+          <i>p</i>
+        </b>
+        , a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>.
       </p>
     </Section>
   );

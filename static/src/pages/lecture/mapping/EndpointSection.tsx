@@ -19,9 +19,19 @@ export function EndpointSection(head: SectionHead) {
       }
     >
       <p>
-        A scan holds distances only. The angle of beam <i>k</i> in the sensor’s frame is <b class="noun-beam">α</b> =
-        angle_min + <i>k</i> · angle_increment. With the pose <b class="noun-robot">x, y, θ</b> of the sensor, the beam
-        that measured <b class="noun-beam">z</b> ended at
+        A scan holds only distances. The angle of beam <i>k</i> in the sensor’s frame is{" "}
+        <b class="noun-beam">
+          <i>α</i>
+        </b>{" "}
+        = angle_min + <i>k</i> · angle_increment. With the pose{" "}
+        <b class="noun-robot">
+          <i>x</i>, <i>y</i>, <i>θ</i>
+        </b>{" "}
+        of the sensor, the beam that measured{" "}
+        <b class="noun-beam">
+          <i>z</i>
+        </b>{" "}
+        ended at
       </p>
       <math display="block" class="lesson-formula">
         <mrow>

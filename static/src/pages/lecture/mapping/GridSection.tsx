@@ -44,10 +44,20 @@ export function GridSection(head: SectionHead) {
         <li>The cells are independent: knowing one says nothing about the others.</li>
       </ol>
       <p>
-        Occupied is p = 1, free is p = 0. Before any reading cell <i>i</i> is occupied with the{" "}
-        <b class="noun-prior">prior</b> probability p(m<sub>i</sub>), usually 0.5. By the third assumption the
-        probability of a whole map, given all readings z<sub>1:t</sub> and poses x<sub>1:t</sub>, is a product over its
-        cells:
+        Occupied is <i>p</i> = 1, free is <i>p</i> = 0. Before any reading cell <i>i</i> is occupied with the{" "}
+        <b class="noun-prior">prior</b> probability <i>p</i>(<i>m</i>
+        <sub>
+          <i>i</i>
+        </sub>
+        ), usually 0.5. By the third assumption the probability of a whole map, given all readings <i>z</i>
+        <sub>
+          1:<i>t</i>
+        </sub>{" "}
+        and poses <i>x</i>
+        <sub>
+          1:<i>t</i>
+        </sub>
+        , is a product over its cells:
       </p>
       <MapProduct />
       <p>
@@ -93,8 +103,8 @@ export function GridSection(head: SectionHead) {
           step={1}
           onInput={set("beamError")}
         />{" "}
-        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. Bayes’ rule says what a reading z does to the
-        probability of a map m:
+        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. Bayes’ rule says what a reading <i>z</i> does
+        to the probability of a map m:
       </p>
       <BayesRule />
       <p>

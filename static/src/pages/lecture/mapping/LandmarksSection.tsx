@@ -67,7 +67,7 @@ export function LandmarksSection(head: SectionHead) {
       <p>
         A robot in an unknown building asks two questions: where am I, and where can I drive? A map of{" "}
         <b class="noun-beam">landmarks</b> stores the positions of things that are easy to recognise, such as corners.
-        An <b>occupancy grid</b> stores for every small square of the floor whether something is there.{" "}
+        An <b>occupancy grid</b> stores, for every small square of the floor, whether something is there.{" "}
         <span class="no-print">Switch between the two maps of one drive.</span>
       </p>
     </Section>

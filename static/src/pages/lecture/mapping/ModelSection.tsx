@@ -64,11 +64,15 @@ export function ModelSection(head: SectionHead) {
       <p>
         The filter needs the probability of a cell given a single reading: the{" "}
         <b class="noun-beam">inverse sensor model</b>. The simplest one has three values. A beam with the measured range{" "}
-        <b class="noun-beam">z</b> passed all cells before the window around z, so they get{" "}
-        <b class="noun-miss">
-          p<sub>free</sub>
+        <b class="noun-beam">
+          <i>z</i>
         </b>{" "}
-        = {written(p_free, 2)}. The surface that reflected it lies in a window of width w ={" "}
+        passed all cells before the window around <i>z</i>, so they get{" "}
+        <b class="noun-miss">
+          <i>p</i>
+          <sub>free</sub>
+        </b>{" "}
+        = {written(p_free, 2)}. The surface that reflected it lies in a window of width <i>w</i> ={" "}
         <DragNumber
           label="hit window w"
           sentence="Width of the zone around the reading that counts as hit."
@@ -80,9 +84,10 @@ export function ModelSection(head: SectionHead) {
           step={0.05}
           onInput={(value) => setParameter("window", value)}
         />{" "}
-        around z, whose cells get{" "}
+        around <i>z</i>, whose cells get{" "}
         <b class="noun-hit">
-          p<sub>occ</sub>
+          <i>p</i>
+          <sub>occ</sub>
         </b>{" "}
         = {written(p_occ, 2)}. Cells behind the window keep the <b class="noun-prior">prior</b>,{" "}
         {written(probability(log_odds_prior), 2)}: the beam says nothing about them. A reading beyond{" "}
@@ -100,9 +105,9 @@ export function ModelSection(head: SectionHead) {
         counts as no return.
       </p>
       <p>
-        As log-odds to add, these are logit p − ℓ₀, with logit p = log(p/(1 − p)): {signed(logOdds(p_free))},{" "}
-        {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly (<em>fixed increments</em>). The
-        curve is that of one {beam} of the stage.{" "}
+        As log-odds to add, these are logit <i>p</i> − ℓ₀, with logit <i>p</i> = log(<i>p</i>/(1&nbsp;−&nbsp;<i>p</i>)):{" "}
+        {signed(logOdds(p_free))}, {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly (
+        <em>fixed increments</em>). The curve is that of one {beam} of the stage.{" "}
         <span class="no-print">Drag any part of it: the {beam}, its cells and the whole map follow.</span>
       </p>
     </Section>

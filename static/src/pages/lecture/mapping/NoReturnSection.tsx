@@ -50,10 +50,11 @@ export function NoReturnSection(head: SectionHead) {
         <>
           <p>
             Which is right depends on why nothing came back. <b>Free</b> is what table 9.2 of{" "}
-            <cite>Probabilistic Robotics</cite> says: the reading is z<sub>max</sub>, so all cells up to it are free.
-            That clears large halls, but erases glass once the beams pass through it. <b>Ignored</b> adds no evidence
-            and is safer: a missing return often means glass, a polished wall or black material. Counting no return as a{" "}
-            <b>hit</b> is always wrong; it happens when a driver reports the max range where there was no echo.
+            <cite>Probabilistic Robotics</cite> says: the reading is <i>z</i>
+            <sub>max</sub>, so all cells up to it are free. That clears large halls, but erases glass once the beams
+            pass through it. <b>Ignored</b> adds no evidence and is safer: a missing return often means glass, a
+            polished wall or black material. Counting no return as a <b>hit</b> is always wrong; it happens when a
+            driver reports the max range where there was no echo.
           </p>
           <p>REP 117, a convention of ROS, therefore defines +∞ for no return.</p>
         </>
@@ -72,7 +73,7 @@ export function NoReturnSection(head: SectionHead) {
           step={0.1}
           after=","
         />{" "}
-        or a surface did not reflect the light back. The figure shows the same four scans, read in three ways.{" "}
+        or a surface did not reflect the light back. The figure shows the same four scans, interpreted in three ways.{" "}
         <span class="no-print">
           Drag the <b class="noun-robot">robot</b> in front of the glass.
         </span>

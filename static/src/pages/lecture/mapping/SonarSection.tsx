@@ -108,8 +108,12 @@ export function SonarSection(head: SectionHead) {
           after="."
           onInput={(value) => set({ opening: value * DEGREE })}
         />{" "}
-        An echo from distance <b class="noun-beam">z</b> means two things: the cone is probably{" "}
-        <b class="noun-miss">free</b> up to z, and somewhere on the arc at z, in a window of{" "}
+        An echo from distance{" "}
+        <b class="noun-beam">
+          <i>z</i>
+        </b>{" "}
+        means two things: the cone is probably <b class="noun-miss">free</b> up to <i>z</i>, and somewhere on the arc at{" "}
+        <i>z</i>, in a window of{" "}
         <DragNumber
           label="hit window of the cone"
           sentence="Thickness of the arc that counts as hit."

@@ -58,7 +58,11 @@ export function WindowSection(head: SectionHead) {
         </OnStage>
       }
       sources={[["probabilistic-robotics", "chapter 6 and table 9.2"]]}
-      after={<p>With cells of 5 cm and lidar noise of 1 to 2 cm the cell itself is the window: w = 0.</p>}
+      after={
+        <p>
+          With cells of 5 cm and lidar noise of 1 to 2 cm the cell itself is the window: <i>w</i> = 0.
+        </p>
+      }
     >
       <p>
         A measured distance is never exact. The usual model is a Gaussian around the true distance <i>z</i>
@@ -134,9 +138,9 @@ export function WindowSection(head: SectionHead) {
       </math>
       <p>
         Nor is the direction exact, and a beam ends anywhere within a cell. So the hits of one wall fall into several
-        cells, and a beam that measured a little too much passes a cell that an earlier one hit. The{" "}
-        <b class="noun-hit">window</b> w absorbs all three errors. One to three cells wide, it gives a thin and stable
-        wall. With no window the wall is <b>broken</b>; with a wide one it is <b>thick</b> and narrows the doors.
+        cells, and a beam that overshoots passes through a cell that an earlier one hit. The{" "}
+        <b class="noun-hit">window</b> <i>w</i> absorbs all three errors. One to three cells wide, it gives a thin and
+        stable wall. With no window the wall is <b>broken</b>; with a wide one it is <b>thick</b> and narrows the doors.
       </p>
     </Section>
   );

@@ -121,7 +121,7 @@ function Paragraph({ text, shown }: { text: string; shown: boolean }) {
   );
 }
 
-/** How long a lab that has been loaded is awaited: after that it says itself why it shows no map. */
+/** How long a lab that has been loaded, and says nothing, is awaited. */
 const LONGEST_START_MS = 30_000;
 
 /** A page of this service within the slide. Its window gives the keys of the presentation back. */
@@ -129,7 +129,8 @@ function Framed({ kind, address, title }: PageSlide) {
   const frame = useRef<HTMLIFrameElement>(null);
   const isLoaded = useSignal(false);
   const isLate = useSignal(false);
-  const isStarting = kind === "lab" && !isLate.value && !pagesInSlides.value.get(address)?.show;
+  const said = pagesInSlides.value.get(address);
+  const isStarting = kind === "lab" && !isLate.value && !said?.show && !said?.note;
   useEffect(() => {
     if (!isLoaded.value) return;
     const timer = setTimeout(() => {

@@ -16,14 +16,14 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     // Probabilistic Robotics, table 4.2: the filter adds log-odds.
     right: 2,
     answer:
-      "Log-odds add up, in any order while no clamp is reached: 4 · 0.85 = 3.40, and 3.40 / 0.40 = 8.5: the ninth.",
+      "Log-odds add up, in any order until a clamp is reached: 4 · 0.85 = 3.40, and 3.40 / 0.40 = 8.5: the ninth.",
     notes:
       "Press hit four times, then miss until the line is below the prior. Let the audience count. The order does not matter: show it with alternating presses.",
   },
   "log-odds": {
     // Computed by the figure in binary32 (lessons/digits/model.ts); IEEE 754.
     right: 0,
-    answer: "p rounds to exactly 1 and never comes back; the odds overflow later; the sum of log-odds goes on working.",
+    answer: "p rounds to exactly 1 and never comes back; the odds overflow later; the sum of log-odds keeps working.",
     notes:
       "Drag the cursor along the chart. The point where p becomes exactly 1 is marked. With a clamp none of the three fails: cost and simplicity remain as reasons.",
   },
@@ -52,7 +52,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     // Computed by the figure; Moravec and Elfes 1985; Probabilistic Robotics, section 9.4.1, on conflicting cones.
     right: 1,
     answer:
-      "A wall: arcs of both jambs cross the door, no echo from behind contradicts. Moravec–Elfes is less certain.",
+      "A wall: arcs from both jambs cross the door; no echo from behind contradicts them. Moravec–Elfes is less sure.",
     notes: "Add the readings one by one; the cross is in the door. Point to the arcs that lie across it.",
   },
   "no-return": {
@@ -82,14 +82,14 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Drag the cross towards the robot and read how often each cell was updated, per beam and per scan.",
   },
   matching: {
-    answer: "It is where the scan agrees best with the last one. That needs structure, and often a good start.",
+    answer: "Where its scan agrees best with the last one. That needs structure, and often a good initial pose.",
     notes:
       "Let a student align the scans by hand first, then take one iteration at a time. Then the corridor: it slides.",
   },
   file: {
     // map_server reads (255 - grey) / 255 and compares it with free_thresh: 50 / 255 = 0.196.
     right: 1,
-    answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that were never seen.",
+    answer: "Grey 205 means p = 0.196. Below 0.25 that is free: the robot is sent through cells that were never seen.",
     notes: "Move the reader’s free_thresh across 0.196: the image stays the same, its meaning does not.",
   },
   landmarks: {
@@ -123,7 +123,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Switch the polish on and off. Name glass, metal and stone; more readings do not help.",
   },
   people: {
-    // Haehnel and others 2003; computed by the stage.
+    // Haehnel et al. 2003; computed by the stage.
     right: 1,
     answer: "Beams that pass later clear the trail; where none do, people who left long ago stay in the map.",
     notes: "Move the slider past the moment at which the robot leaves the corridor. Which assumption is broken?",
@@ -137,7 +137,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   odometry: {
     // Probabilistic Robotics, chapter 5; computed by the figure (lessons/odometry/model.ts).
     right: 1,
-    answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
+    answer: "Errors of raw odometry add up, those of the heading above all: a place seen again is drawn elsewhere.",
     notes: "Drag the heading error first, then the distance error. Compare the two maps.",
   },
   probable: {
@@ -148,9 +148,9 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Drag the diamond along the corridor with cabinets, with doors, and bare. When is the answer wrong?",
   },
   graph: {
-    // Grisetti and others 2010: the error of a loop is spread over its poses.
+    // Grisetti et al. 2010: the error of a loop is spread over its poses.
     right: 2,
-    answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
+    answer: "A loop adds a spring to the chain of springs: its error is spread over all poses in between.",
     notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
   },
   particles: {
@@ -170,7 +170,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   kidnapping: {
     // Probabilistic Robotics, table 8.3.
     right: 2,
-    answer: "Without random particles none is ever near the robot. Two averages of the weights say when to add them.",
+    answer: "Without random particles, none is ever near the robot. Two averages of the weights say when to add them.",
     notes:
       "Let it drive until the cloud has found the robot, then drag it away. Set both rates to 0 and repeat: it stays lost. Equal rates: the same.",
   },
@@ -184,7 +184,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   layers: {
     // Nav2, obstacle layer: marks and clears by the current scan.
     right: 1,
-    answer: "Each layer has its own source; the greater cost counts. The obstacle layer marks and clears the crate.",
+    answer: "Each layer has its own source; the greatest cost counts. The obstacle layer marks and clears the crate.",
     notes:
       "Drag the crate out of the robot’s view, and back. Switch the layers off one by one, and read the costs under the cross. What can the obstacle layer not clear?",
   },
@@ -196,7 +196,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
       "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is closed.",
   },
   path: {
-    // Dijkstra 1959; Hart and others 1968; Nav2, navfn.cpp.
+    // Dijkstra 1959; Hart et al. 1968; Nav2, navfn.cpp.
     right: 1,
     answer:
       "Each cell gets the least cost of reaching it; the path is traced back from the goal. A* expands fewer cells.",
@@ -207,7 +207,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     // Nav2, obstacle layer: a cell is cleared only by a ray through it.
     right: 1,
     answer:
-      "Only a beam clears an obstacle layer, and the path keeps away. With a lifetime it is removed after a set time.",
+      "Only a beam clears the obstacle layer, and the path avoids the table. A lifetime removes it after a set time.",
     notes:
       "Saved map, obstacle layer, lifetime: three answers. With the obstacle layer drag the robot near. With the lifetime move the seconds past it. Ask what a short lifetime risks.",
   },
@@ -226,7 +226,8 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   tsdf: {
     // Curless and Levoy 1996, section 3; computed by the figure.
     right: 2,
-    answer: "The distances cross zero at the mean of the readings, also within a voxel; occupancy has whole cells.",
+    answer:
+      "The signed distance crosses zero at the mean of the readings, even within a voxel; occupancy has whole cells.",
     notes:
       "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a maximum weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
   },

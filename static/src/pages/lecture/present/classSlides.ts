@@ -155,6 +155,8 @@ function follow(room: Classroom): () => void {
   let before = "";
   return effect(() => {
     const view = room.shown.value?.view;
+    // The head of the lecture would flash up before the slide.
+    document.documentElement.classList.toggle("is-joining", !view && !room.isOver.value && !room.isOutdated.value);
     if (view?.page !== "lecture" || !room.isFollowing.value) return;
     shownPointer.value = view.on_slide ?? null;
     const now = JSON.stringify([view.hash, view.slide]);

@@ -20,7 +20,7 @@ export interface Answer {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "At least one of five cells gave an echo; a beam passes three. The other two?",
+    question: "At least one of five cells echoed; a beam passed three. What of the other two?",
     options: [
       "They become more probably occupied",
       "They keep the value after the echo",
@@ -71,7 +71,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "The odometry is wrong. How can two scans tell where the robot is?",
   },
   file: {
-    question: "free_thresh is 0.25, an unknown cell is grey 205. What does a planner read?",
+    question: "free_thresh is 0.25 and unknown cells have grey 205. What does a planner read?",
     options: ["Unknown", "Free", "Occupied"],
   },
   landmarks: {
@@ -83,7 +83,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["As narrow as possible", "A few times the noise", "As wide as possible"],
   },
   endpoint: {
-    question: "A scan holds distances only. How does one become a row and a column?",
+    question: "A scan holds only distances. How does one become a row and a column?",
   },
   resolution: {
     question: "Cells of 1 cm instead of 10 cm: how much more memory is needed?",
@@ -106,7 +106,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
   },
   probable: {
-    question: "Scan and odometry disagree about the pose. Which pose is taken?",
+    question: "Scan and odometry disagree about the pose. Which pose is used?",
     options: ["That of the scan", "That of the odometry", "The most probable one given both"],
   },
   graph: {
@@ -126,7 +126,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["It lacks a scale factor", "It is too noisy", "It is a distribution over readings, not over the cell"],
   },
   kidnapping: {
-    question: "All particles are in one room, the robot is carried to another. Is it found?",
+    question: "All particles are in one room; the robot is carried to another. Is it found?",
     options: ["Yes, the particles follow the scans", "Never", "Only with random particles among them"],
   },
   terrain: {

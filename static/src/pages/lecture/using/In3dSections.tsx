@@ -22,7 +22,7 @@ export function OctreeSection(head: SectionHead) {
       after={
         <>
           <p>
-            Halving the side of the cells of a dense grid makes <b>eight</b> times as many, most of them in empty rooms.
+            Halving the cell size of a dense grid makes <b>eight</b> times as many cells, most of them in empty rooms.
             An <b>octree</b> stores eight cells of one state as a single node, and has no nodes where nothing was
             measured: it grows with the surfaces, about <b>four</b> times. Each access descends from the root, and nodes
             are larger than cells, so here it saves memory only with fine cells.
@@ -76,10 +76,10 @@ export function TsdfSection(head: SectionHead) {
       after={
         <>
           <p>
-            A reading z gives a voxel at distance r along the beam the distance d = z − r, and the voxel keeps the mean:
-            D ← (weight · D + d) / (weight + 1); then its weight grows by 1. Noise averages out, and interpolation
-            between two voxels gives the surface <b>more finely than a voxel</b>. The gradient of D is the normal of the
-            surface.
+            A reading <i>z</i> gives a voxel at distance <i>r</i> along the beam the distance <i>d</i> = <i>z</i> −{" "}
+            <i>r</i>, and the voxel keeps the mean: <i>D</i> ← (weight · <i>D</i> + <i>d</i>) / (weight + 1); then its
+            weight grows by 1. Noise averages out, and interpolation between two voxels gives the surface{" "}
+            <b>more finely than a voxel</b>. The gradient of <i>D</i> is the normal of the surface.
           </p>
           <p>
             Distances are kept up to the <b>truncation</b>; farther behind the surface nothing is updated. In a wall
@@ -112,13 +112,13 @@ export function TerrainSection(head: SectionHead) {
       after={
         <>
           <p>
-            P = Σ v vᵀ with v = [1 x y h]ᵀ holds all sums that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀh is
-            in its last column, hᵀh in the corner. A new point adds one term and need not be kept. Patches add up: one
-            of twice the size is the sum of four, which makes a quadtree.
+            P = Σ v vᵀ with v = [1 <i>x</i> <i>y</i> <i>h</i>]ᵀ holds all sums that the fit needs: AᵀA is its upper left
+            3 × 3 block, Aᵀh is in its last column, hᵀh in the corner. A new point adds one term and need not be kept.
+            Patches add up: one of twice the size is the sum of four, which makes a quadtree.
           </p>
           <p>
             Two slips are common: the root in the slope is forgotten, and the residual hᵀh − …, a <b>sum</b> of squares,
-            is not divided by n, so that the roughness grows with every point. A patch is safe while slope and
+            is not divided by <i>n</i>, so that the roughness grows with every point. A patch is safe while slope and
             roughness, each divided by its limit, add up to less than 1; full systems weight them and add the step to
             the next patch. A stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree
             with.
@@ -127,9 +127,9 @@ export function TerrainSection(head: SectionHead) {
       }
     >
       <p>
-        Can a robot drive safely on this ground? The points of each <b>patch</b> of a grid get a plane h = a + b x + c y
-        by least squares, (AᵀA)⁻¹Aᵀh, where A has a row [1 x y] and h the height of each point: its slope, its height,
-        the roughness of the points around it, and their number.{" "}
+        Can a robot drive safely on this ground? The points of each <b>patch</b> of a grid get a plane <i>h</i> ={" "}
+        <i>a</i> + <i>b x</i> + <i>c y</i> by least squares, (AᵀA)⁻¹Aᵀh, where A has a row [1 <i>x</i> <i>y</i>] and h
+        the height of each point: its slope, its height, the roughness of the points around it, and their number.{" "}
         <span class="no-print">
           Drag the points, and see which entries of the matrix P change and when the patch becomes unsafe.
         </span>

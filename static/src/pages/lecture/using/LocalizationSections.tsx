@@ -14,25 +14,30 @@ export function ParticlesSection(head: SectionHead) {
         <>
           <p>
             The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
-            pointers on it at equal distances, turned by one random number. Of M draws a particle gets M times its
-            weight, rounded down or up. <b>Independent</b> draws vary more, and lose equally good particles by chance.
+            pointers on it at equal distances, turned by one random number. Of <i>M</i> draws a particle gets <i>M</i>{" "}
+            times its weight, rounded down or up. <b>Independent</b> draws vary more, and lose equally good particles by
+            chance.
           </p>
           <p>
             <b>
-              N<sub>eff</sub>
+              <i>N</i>
+              <sub>eff</sub>
             </b>
             , one over the sum of the squared weights, is the number of particles that count. Where it is large,
             resampling can be left out.
           </p>
           <p>
             How many particles? The more places the belief covers, the more: <b>KLD sampling</b> counts the bins with a
-            particle in them. With M particles for B bins the Kullback-Leibler distance to the belief is below ε with
-            probability 99 % if q = 2.33, the quantile of the normal distribution.
+            particle in them. With <i>M</i> particles for <i>B</i> bins the Kullback-Leibler distance to the belief is
+            below <i>ε</i> with probability 99 % if <i>q</i> = 2.33, the quantile of the normal distribution.
           </p>
           <KldNumber />
           <p>
-            In AMCL, Nav2’s localization, pf_z (kld_z in ROS 1) is q itself: its default of 0.99 means 84 %, here 296
-            particles in place of 417. <span class="no-print">Drag ε and q.</span>
+            In AMCL, Nav2’s localization, pf_z (kld_z in ROS 1) is <i>q</i> itself: its default of 0.99 means 84 %, here
+            296 particles in place of 417.{" "}
+            <span class="no-print">
+              Drag <i>ε</i> and <i>q</i>.
+            </span>
           </p>
           <LaterMore id="particles" />
         </>
@@ -41,7 +46,8 @@ export function ParticlesSection(head: SectionHead) {
       <p>
         Now the map is given, and the pose is not. What the robot knows about its pose is a <b>belief</b>, a
         distribution over poses. <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where
-        the belief is higher. A reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
+        the belief is higher. A reading gives each particle the weight <i>p</i>(<i>z</i> | <i>x</i>, <i>m</i>) (
+        <SectionLink to="sensor-models" />
         ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
         three equal doors: after the second door only one group is left.
       </p>
@@ -58,16 +64,31 @@ export function SensorModelsSection(head: SectionHead) {
       after={
         <>
           <p>
-            Why can’t we get the inverse model from p(z | x, m) alone? It is a distribution over <b>readings</b>, for
-            one whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule also takes a prior, and
-            sums over all maps in which the cell has that state.
+            Why can’t we get the inverse model from <i>p</i>(<i>z</i> | <i>x</i>, <i>m</i>) alone? It is a distribution
+            over <b>readings</b>, for one whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule
+            also takes a prior, and sums over all maps in which the cell has that state.
           </p>
           <p>
-            Some texts add log [p(z | m<sub>i</sub>) / (1 − p(z | m<sub>i</sub>))], as the dashed curve does, with the
-            density scaled to at most 1. Bayes’ rule gives log [p(z | m<sub>i</sub>) / p(z | ¬m<sub>i</sub>)]: how
-            likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor with
-            equal error rates both are the same. Otherwise the heuristic has the right sign before the reading and at
-            it; programs leave out the cells behind it, and the clamp limits the error. The sum over all maps, exact
+            Some texts add log [<i>p</i>(<i>z</i> | <i>m</i>
+            <sub>
+              <i>i</i>
+            </sub>
+            ) / (1 − <i>p</i>(<i>z</i> | <i>m</i>
+            <sub>
+              <i>i</i>
+            </sub>
+            ))], as the dashed curve does, with the density scaled to at most 1. Bayes’ rule gives log [<i>p</i>(
+            <i>z</i> | <i>m</i>
+            <sub>
+              <i>i</i>
+            </sub>
+            ) / <i>p</i>(<i>z</i> | ¬<i>m</i>
+            <sub>
+              <i>i</i>
+            </sub>
+            )]: how likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor
+            with equal error rates both are the same. Otherwise the heuristic has the right sign before the reading and
+            at it; programs leave out the cells behind it, and the clamp limits the error. The sum over all maps, exact
             here for one beam, is too costly on a plane: the model of <SectionLink to="model" /> is chosen by hand to
             have its shape. Section 9.4 of the book searches for the most probable map instead.
           </p>
@@ -79,10 +100,10 @@ export function SensorModelsSection(head: SectionHead) {
       }
     >
       <p>
-        A particle’s weight is p(z | x, m): <b>forwards</b>, from a map and a pose to the reading. The <b>beam model</b>{" "}
-        has four parts: the range to the mapped surface, with noise; shorter ranges, from people and things that are not
-        in the map; beams without a return; and random readings. The second chart is the <b>inverse</b> model: given one
-        reading, which cells are occupied?
+        A particle’s weight is <i>p</i>(<i>z</i> | <i>x</i>, <i>m</i>): <b>forwards</b>, from a map and a pose to the
+        reading. The <b>beam model</b> has four parts: the range to the mapped surface, with noise; shorter ranges, from
+        people and things that are not in the map; beams without a return; and random readings. The second chart is the{" "}
+        <b>inverse</b> model: given one reading, which cells are occupied?
       </p>
     </Section>
   );

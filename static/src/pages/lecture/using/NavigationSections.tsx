@@ -24,7 +24,7 @@ export function LayersSection(head: SectionHead) {
         A map says what is occupied; a planner needs the <b>cost</b> of driving through each cell. In Nav2’s costmap 0
         is free, 254 is lethal, 253 means a collision at any heading, 255 is unknown. It is made of <b>layers</b>, the
         saved map first, and the greatest known cost counts.{" "}
-        <span class="no-print">Drag the crate into view, switch layers off, and read the costs with the cross.</span>
+        <span class="no-print">Drag the crate into view, switch layers off, and read the costs under the cross.</span>
       </p>
     </Section>
   );
@@ -136,8 +136,8 @@ export function StackSection(head: SectionHead) {
       }
     >
       <p>
-        All parts together, as on a robot with <b>SLAM Toolbox</b> and <b>Nav2</b>: one drive makes the map, the robot
-        works with it on another day. <span class="no-print">Drag the goal, or play all of it.</span>
+        All parts together, as on a robot with <b>SLAM Toolbox</b> and <b>Nav2</b>: one drive makes the map; on another
+        day the robot uses it. <span class="no-print">Drag the goal, or play all of it.</span>
       </p>
     </Section>
   );

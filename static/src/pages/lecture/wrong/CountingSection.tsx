@@ -38,8 +38,8 @@ export function CountingSection(head: SectionHead) {
           <p>
             <b>Per beam</b>, each beam adds its evidence. Near the sensor all beams pass the same few cells, and a
             single scan makes those as certain as the clamp allows. The dashed curve is the number of beams in a cell at
-            distance r: beams × cell size / (2πr). But all beams of a scan share the error of its pose, and adding them
-            counts one error many times.
+            distance <i>r</i>: beams × cell size / (2π<i>r</i>). But all beams of a scan share the error of its pose,
+            and adding them counts one error many times.
           </p>
           <p>
             <b>Per scan</b>, as in table 9.1, a cell in the perceptual field is updated once, by the beam nearest in

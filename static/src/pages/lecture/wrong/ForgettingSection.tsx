@@ -91,7 +91,7 @@ export function ForgettingSection(head: SectionHead) {
           }}
           after="."
         />{" "}
-        The table counts as <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25).{" "}
+        The table counts as <b>forgotten</b> when nine in ten of its cells are free (<i>p</i> &lt; 0.25).{" "}
         <span class="no-print">Guess, then remove the table.</span>
       </p>
     </Section>

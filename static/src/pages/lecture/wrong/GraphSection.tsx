@@ -12,8 +12,8 @@ export function GraphSection(head: SectionHead) {
           The solution has the least sum of eᵀ Ω e over the springs: e is the residual of a spring, Ω the inverse of its
           covariance, so that residuals count in standard deviations. A least-squares solution follows the{" "}
           <b class="noun-hit">wrong loop</b>: its residual is large, and it distorts the map. A <b>robust kernel</b>{" "}
-          reduces the weight w of loops with large residuals in this sum, but cannot tell a wrong loop that nothing
-          contradicts from a right one.
+          reduces the weight <i>w</i> of loops with large residuals in this sum, but cannot tell a wrong loop that
+          nothing contradicts from a right one.
         </p>
       }
     >

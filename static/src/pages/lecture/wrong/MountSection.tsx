@@ -54,11 +54,11 @@ export function MountSection(head: SectionHead) {
       }
     >
       <p>
-        A reading is measured in the frame of the sensor. Two poses, one after the other (∘), place it in the map: the
-        pose of the robot in the map, and that of the sensor on the robot, its <b class="noun-beam">mount</b> (in ROS
-        stated in the URDF, the robot’s description). The first comes from odometry, which adds up the turns of the
-        wheels, from localization, or from SLAM (simultaneous localization and mapping). If a pose is wrong, or the
-        grid’s origin or resolution, the map is smeared, rotated or mirrored.
+        A reading is measured in the frame of the sensor. Two poses, composed (∘), place it in the map: the pose of the
+        robot in the map, and that of the sensor on the robot, its <b class="noun-beam">mount</b> (in ROS stated in the
+        URDF, the robot’s description). The first comes from odometry, which adds up the turns of the wheels, from
+        localization, or from SLAM (simultaneous localization and mapping). If a pose or the grid’s origin or resolution
+        is wrong, the map is smeared, rotated or mirrored.
       </p>
       <math display="block" class="lesson-formula">
         <mrow>
@@ -70,7 +70,7 @@ export function MountSection(head: SectionHead) {
         </mrow>
       </math>
       <p>
-        x points forward, y left; angles are counter-clockwise. The dashed fan is the true mount, the{" "}
+        <i>x</i> points forward, <i>y</i> left; angles are counter-clockwise. The dashed fan is the true mount, the{" "}
         <b class="noun-beam">coloured</b> one the mount that the map assumes.{" "}
         <span class="no-print">Drag it, rotate it, or turn it upside down.</span>
       </p>

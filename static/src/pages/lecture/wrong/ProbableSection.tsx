@@ -100,7 +100,7 @@ export function ProbableSection(head: SectionHead) {
           }}
           after="."
         />{" "}
-        The <b class="noun-robot">second</b> says how well the pose fits the odometry u, which is uncertain by{" "}
+        The <b class="noun-robot">second</b> says how well the pose fits the odometry <i>u</i>, which is uncertain by{" "}
         <DragNumber
           label="Odometry uncertainty"
           sentence="Standard deviation of the position by odometry."

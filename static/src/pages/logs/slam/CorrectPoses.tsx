@@ -88,8 +88,8 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
     <Panel title="Score its poses">
       <div class="panel-stack">
         <p class="quiet">
-          A file of relations states measured motions between places of a log (Kümmerle and others 2009). The score is
-          how far the poses are from them on average.
+          A file of relations states measured motions between places of a log (Kümmerle et al. 2009). The score is how
+          far the poses are from them on average.
         </p>
         <input
           ref={input}
