@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import APIResponse, Page, Route, expect
 
-from tests.browser.looking import await_map, drag_along, frame, open_group, until
+from tests.browser.looking import await_map, centre, drag_along, frame, open_group, until
 from tests.browser.pages.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -159,3 +159,20 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     ring = features[-1]["geometry"]["coordinates"][0]
     assert ring == [[1.0, 0.0], [3.0, 0.0], [3.0, 1.5], [1.0, 1.5], [1.0, 0.0]]
     assert violations(page, ".dock") == []
+
+
+def test_an_overview_of_a_log_that_is_a_text(page: Page, server: str) -> None:
+    """The overview of a log of another kind than a recording has its motion, which goes to a moment, and its topics."""
+    page.goto(f"{server}/logs.html")
+    lines = "".join(f"FLASER 3 1 2 3 {n**2 / 100} 0 0 {n**2 / 100} 0 0 {n} host {n}\n" for n in range(1, 62))
+    page.locator("input[type=file]").set_input_files(
+        {"name": "text.log", "mimeType": "text/plain", "buffer": lines.encode()}
+    )
+    page.locator(".viewer").wait_for()
+    expect(page.get_by_role("region", name="Topics")).to_contain_text("FLASER")
+    motion = page.get_by_role("region", name="Motion")
+    expect(motion).to_contain_text("speed")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    plot = motion.locator('[data-strip="speed"] .u-over')
+    page.mouse.click(*centre(plot))
+    until("the middle of the log", lambda: frame(page)["index"] in (30, 31))
