@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -80,6 +81,9 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     plots = open_group(page, "Plots")
     over = plots.locator('[data-plot="angular velocity"] .u-over')
     expect(over).to_be_visible()
+    # The legend states the values at the map's moment while the pointer is elsewhere: that of the newest of ten scans.
+    legend = plots.locator('[data-plot="angular velocity"] .u-legend')
+    expect(legend).to_have_text(f"time0:00.900x0.000 rad/sy0.000 rad/sz−{abs(0.1 * math.sin(18)):.3f} rad/s")
     box = over.bounding_box()
     assert box is not None
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
