@@ -7,6 +7,7 @@ from array import array
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,8 @@ from mapper.io.contents.carmen_lines import inspect_carmen
 from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.log_lines import LOGGED, LineReader
 from mapper.io.contents.model import CameraContents, Contents, FrameEdge, Series, TopicContents
-from mapper.io.contents.series_messages import PLOTTED, PlottedType
+from mapper.io.contents.pose_speeds import from_poses, pose_speeds, states_speeds
+from mapper.io.contents.series_messages import ODOMETRY, PLOTTED, PlottedType
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.containers.container import Container
@@ -39,7 +41,7 @@ MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are 
 MAX_EDGES = 5000  #: pairs of frames
 MAX_POSES = 1 << 19  #: poses of all moving transforms together; beyond, every second one of the longest is dropped
 MAX_PUBLISHERS = 8  #: nodes that are named of one transform
-MAX_VALUES = 1 << 26  #: numbers of all series together, while the recording is read
+MAX_VALUES = 1 << 26  #: numbers of 4 bytes of all series together, while the recording is read
 KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of that many buckets
 LAST_NS = 1 << 62  #: a time beyond this is a defect
 _READ = LOGGED | TRANSFORMS.keys() | {CAMERA}  #: types that are read, besides those with numbers for plots
@@ -59,7 +61,7 @@ class _Topic:
     last_ns: int = 0
     bad: int = 0
     stamps: array[int] = field(default_factory=lambda: array("q"))
-    values: array[float] = field(default_factory=lambda: array("f"))
+    values: array[float] = field(default_factory=lambda: array("f"))  #: as float64 where speeds are made of poses
 
     @property
     def is_read(self) -> bool:
@@ -137,7 +139,10 @@ class Inspector(MessageSink):
         if stream not in self._counted:
             if len(self._counted) >= self.limits.max_topics:
                 raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
-            self._counted[stream] = _Topic(name, kind, cdr, PLOTTED.get(kind) if readable else None, readable)
+            topic_of = _Topic(name, kind, cdr, PLOTTED.get(kind) if readable else None, readable)
+            if kind == ODOMETRY:
+                topic_of.values = array("d")
+            self._counted[stream] = topic_of
         self._counted_by_key[key] = self._counted[stream]
 
     def published_by(self, key: int, node: str) -> None:
@@ -196,7 +201,7 @@ class Inspector(MessageSink):
         at = stated if is_stated else stamp_ns
         if not 0 <= at < LAST_NS or self._values_left < len(row):
             return
-        self._values_left -= len(row)
+        self._values_left -= len(row) * topic.values.itemsize // 4
         topic.recorded |= not is_stated
         topic.stamps.append(at)
         topic.values.extend(_float32(value) for value in row)
@@ -279,12 +284,16 @@ def _float32(value: float) -> float:
 
 def _series(topic: _Topic, plotted: PlottedType) -> Series:
     stamps = np.frombuffer(topic.stamps, dtype=np.int64)
-    values: NDArray[np.float32] = np.frombuffer(topic.values, dtype=np.float32).reshape(-1, len(plotted.columns))
+    rows: NDArray[Any] = np.frombuffer(topic.values, dtype=topic.values.typecode).reshape(-1, len(plotted.columns))
+    columns = plotted.columns
     if (np.diff(stamps) < 0).any():
         order = np.argsort(stamps, kind="stable")
-        stamps, values = stamps[order], values[order]
-    stamps, values = min_max(stamps, values, KEPT_ROWS // 2)
-    return Series(topic.name, topic.type, plotted.columns, stamps, values, recorded=topic.recorded)
+        stamps, rows = stamps[order], rows[order]
+    if topic.type == ODOMETRY and not states_speeds(rows):
+        rows = np.column_stack([pose_speeds(stamps, rows[:, 3:]), rows[:, 3:]])
+        columns = from_poses(columns)
+    stamps, values = min_max(stamps, rows.astype(np.float32, copy=False), KEPT_ROWS // 2)
+    return Series(topic.name, topic.type, columns, stamps, values, recorded=topic.recorded)
 
 
 def inspect(

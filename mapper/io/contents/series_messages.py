@@ -14,6 +14,8 @@ from mapper.io.contents.model import Column
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 from mapper.io.logs.ros.ros_messages import imu
 
+ODOMETRY = "nav_msgs/Odometry"
+
 Row = tuple[int, list[float]]  #: the stamp that the message states, ns, 0 for none, and its numbers
 
 
@@ -106,7 +108,7 @@ PLOTTED: dict[str, PlottedType] = {
         ),
         _imu,
     ),
-    "nav_msgs/Odometry": PlottedType(
+    ODOMETRY: PlottedType(
         (
             *_TWIST,
             Column("x", "m", "position"),

@@ -18,7 +18,7 @@ from mapper.io.contents.log_lines import LogLine
 from mapper.io.contents.model import CameraContents, Column, Contents, FrameEdge, Series, TopicContents
 from server.library.packs.arrays import UNREADABLE, write_arrays
 
-VERSION = 6
+VERSION = 7
 
 
 class StaleContentsError(Exception):

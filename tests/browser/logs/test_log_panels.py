@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import APIResponse, Page, Route, expect
 
-from tests.browser.looking import await_map, drag_along, frame, open_group, until
+from tests.browser.looking import await_map, centre, drag_along, frame, open_group, until
 from tests.browser.pages.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -80,6 +81,9 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     plots = open_group(page, "Plots")
     over = plots.locator('[data-plot="angular velocity"] .u-over')
     expect(over).to_be_visible()
+    # The legend states the values at the map's moment while the pointer is elsewhere: that of the newest of ten scans.
+    legend = plots.locator('[data-plot="angular velocity"] .u-legend')
+    expect(legend).to_have_text(f"time0:00.900x0.000 rad/sy0.000 rad/sz−{abs(0.1 * math.sin(18)):.3f} rad/s")
     box = over.bounding_box()
     assert box is not None
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
@@ -159,3 +163,20 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     ring = features[-1]["geometry"]["coordinates"][0]
     assert ring == [[1.0, 0.0], [3.0, 0.0], [3.0, 1.5], [1.0, 1.5], [1.0, 0.0]]
     assert violations(page, ".dock") == []
+
+
+def test_an_overview_of_a_log_that_is_a_text(page: Page, server: str) -> None:
+    """The overview of a log of another kind than a recording has its motion, which goes to a moment, and its topics."""
+    page.goto(f"{server}/logs.html")
+    lines = "".join(f"FLASER 3 1 2 3 {n**2 / 100} 0 0 {n**2 / 100} 0 0 {n} host {n}\n" for n in range(1, 62))
+    page.locator("input[type=file]").set_input_files(
+        {"name": "text.log", "mimeType": "text/plain", "buffer": lines.encode()}
+    )
+    page.locator(".viewer").wait_for()
+    expect(page.get_by_role("region", name="Topics")).to_contain_text("FLASER")
+    motion = page.get_by_role("region", name="Motion")
+    expect(motion).to_contain_text("speed")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    plot = motion.locator('[data-strip="speed"] .u-over')
+    page.mouse.click(*centre(plot))
+    until("the middle of the log", lambda: frame(page)["index"] in (30, 31))

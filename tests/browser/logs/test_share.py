@@ -157,12 +157,12 @@ def test_a_link_opens_with_the_camera_that_follows_the_robot(
     await_true(page, SHOWN)
     page.get_by_label("Layout", exact=True).select_option(label="Map and 3D")
     solid = page.get_by_role("region", name="3D", exact=True)
-    follow = solid.get_by_role("button", name="Follow", exact=True)
+    cameras = solid.get_by_role("combobox", name="Camera", exact=True)
     solid.get_by_role("button", name="Controls").wait_for()
-    if not follow.is_visible():
+    if not cameras.is_visible():
         solid.get_by_role("button", name="Controls").click()
     with page.expect_response(lambda answer: answer.url.endswith("/settings")):
-        follow.click()
+        cameras.select_option("Follow")
     page.reload()  # the page has not seen the click any more
     solid.get_by_role("button", name="Controls").wait_for()
     shared = open_group(page, "Share")

@@ -59,7 +59,7 @@ def test_the_axes_and_the_grid_are_switched_on_and_saved_in_a_file(page: Page, o
     until("the map is drawn", lambda: shows_walls(pixels_of(view.screenshot())))
     until("the world is hidden", lambda: not shows_grid(pixels_of(view.screenshot())))
     until("the beams are hidden", lambda: not shows_x(pixels_of(view.screenshot())))
-    panel.get_by_role("button", name="Overview").click()
+    panel.get_by_role("combobox", name="Camera").select_option("Overview")
     layers.get_by_role("button", name="Axes", exact=True).click()
     until("the axes are drawn", lambda: shows_x(pixels_of(view.screenshot())))
     layers.get_by_role("button", name="Grid of 1 m").click()

@@ -167,8 +167,7 @@ interface DoctorProps {
 }
 
 /**
- * The log doctor: what happened in a log, its problems, where they are, how certain, and what to do about them. It is
- * the last of its group, so that nothing else moves when the examination, which begins by itself, is over.
+ * The log doctor: what happened in a log, its problems, where they are, how certain, and what to do about them.
  */
 export function Doctor({ store, doctor: { state, progress, run, cancel }, onCorrectPoses }: DoctorProps) {
   const now = state.value;
@@ -204,19 +203,17 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onCorr
             </ul>
           </section>
         )}
-        {now.kind !== "done" && (
-          <Button icon="target" disabled={now.kind === "busy"} onClick={() => void run()}>
-            {now.kind === "busy" ? "Examining …" : "Examine this log"}
+        {now.kind !== "done" && now.kind !== "busy" && (
+          <Button icon="target" onClick={() => void run()}>
+            Examine this log
           </Button>
         )}
         {now.kind === "cancelled" && <p class="quiet">Cancelled.</p>}
-        {now.kind !== "cancelled" && now.kind !== "done" && (
-          <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} cancel={cancel} />
-        )}
+        {now.kind === "busy" && <ExaminationProgress progress={progress.value} cancel={cancel} />}
         {now.kind === "failed" && <p class="failure">{now.why}</p>}
       </div>
       <Notes notes={store.hello.value?.log?.notes ?? []} />
-      <p class="quiet">Checks {CHECKED}.</p>
+      {!hasEvents && findings.length === 0 && <p class="quiet">Checks {CHECKED}.</p>}
     </section>
   );
 }
@@ -290,18 +287,20 @@ function TimeButton({ store, seconds, scan }: TimeButtonProps) {
 }
 
 interface ProgressProps {
-  readonly isBusy: boolean;
   readonly progress: Making | null;
   readonly cancel: () => void;
 }
 
-/** It has its room also while there is no examination: one begins by itself, and nothing is to move then. */
-function ExaminationProgress({ isBusy, progress, cancel }: ProgressProps) {
+/** As high as the button in whose place it is: an examination begins by itself, and nothing is to move then. */
+function ExaminationProgress({ progress, cancel }: ProgressProps) {
   return (
-    <div class={isBusy ? "doctor-progress" : "doctor-progress idle"} inert={!isBusy}>
+    <div class="doctor-progress">
       <ProgressBar fraction={progress?.fraction ?? null} />
-      <span class="quiet number" aria-hidden="true">
-        {progress && progressText(progress)}
+      <span class="quiet">
+        Examining …{" "}
+        <span class="number" aria-hidden="true">
+          {progress && progressText(progress)}
+        </span>
       </span>
       <Button kind="quiet" label="Cancel the examination" onClick={cancel}>
         Cancel

@@ -8,7 +8,7 @@ interface HeadProps {
   readonly store: Store;
   /** Back to the logs; not for a guest, who is told that the session is one of their own. */
   readonly onClose: (() => void) | undefined;
-  /** At the right end. */
+  /** At the right end; what comes later stands before the rest, which stays in its place. */
   readonly children?: ComponentChildren;
 }
 
@@ -18,7 +18,7 @@ export function Head({ store, onClose, children }: HeadProps) {
   return (
     <header class="viewer-head">
       {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
-      <h1>{hello?.title ?? "…"}</h1>
+      <h1 title={hello?.title}>{hello?.title ?? "…"}</h1>
       <RecomputeTime store={store} />
       {children}
       {!onClose && <span class="guest-note">Shared view: your changes are not seen by others.</span>}

@@ -217,13 +217,13 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         }
       >
         <Head store={store} onClose={onClose}>
-          <LayoutChoice layout={layout} kinds={KINDS} presets={presetsFor(camera)} />
-          {log && (
-            <OpenIn3d id={isGuest ? null : log.id} contents={contents.state.value} solid={solid} layout={layout} />
-          )}
           {!isGuest && (
             <CorrectionOffer store={store} doctor={doctor} correction={correction} onCorrectPoses={onCorrectPoses} />
           )}
+          {log && (
+            <OpenIn3d id={isGuest ? null : log.id} contents={contents.state.value} solid={solid} layout={layout} />
+          )}
+          <LayoutChoice layout={layout} kinds={KINDS} presets={presetsFor(camera)} />
         </Head>
         <div class="viewer-stage" ref={stage}>
           <Stage

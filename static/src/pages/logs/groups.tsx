@@ -206,7 +206,9 @@ const GROUPS: readonly Group[] = [
     content: (view) => (
       <Overview
         store={view.store}
+        session={view.session}
         doctor={view.doctor}
+        zoom={view.zoom}
         {...(view.isGuest ? {} : { onCorrectPoses: view.onCorrectPoses })}
       >
         {topicsOf(view)}

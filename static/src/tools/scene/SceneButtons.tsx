@@ -42,14 +42,19 @@ export function SceneButtons({ store, session }: SceneButtonsProps) {
   const id = useId();
   if (!now) return null; // all of them come at once, so that none moves when others come
   const change = (wanted: SceneSettings): void => void changeScene(session, wanted);
+  const cameras = now.cameras.map((camera) => ({
+    camera,
+    label: camera.charAt(0).toUpperCase() + camera.slice(1),
+  }));
   return (
     <>
-      <fieldset class="actions" aria-label="Camera">
-        {now.cameras.map((camera) => (
+      <fieldset class="actions scene-cameras" aria-label="Camera">
+        {cameras.map(({ camera, label }) => (
           <Button key={camera} onClick={() => change({ camera })}>
-            {camera.charAt(0).toUpperCase() + camera.slice(1)}
+            {label}
           </Button>
         ))}
+        <CameraMenu options={cameras} onChoose={(camera) => change({ camera })} />
         <Tooltip id={id} about="the gestures" text={GESTURES} />
       </fieldset>
       <fieldset class="actions" aria-label="Layers">
@@ -60,5 +65,37 @@ export function SceneButtons({ store, session }: SceneButtonsProps) {
         ))}
       </fieldset>
     </>
+  );
+}
+
+type Camera = NonNullable<SceneSettings["camera"]>;
+
+interface CameraMenuProps {
+  readonly options: readonly { readonly camera: Camera; readonly label: string }[];
+  readonly onChoose: (camera: Camera) => void;
+}
+
+/** The cameras as a menu, in the place of their buttons where the view is narrow. Each can be chosen again. */
+function CameraMenu({ options, onChoose }: CameraMenuProps) {
+  return (
+    <select
+      class="select scene-camera-menu"
+      aria-label="Camera"
+      value=""
+      onChange={({ currentTarget }) => {
+        const chosen = options.find(({ camera }) => camera === currentTarget.value);
+        currentTarget.value = "";
+        if (chosen) onChoose(chosen.camera);
+      }}
+    >
+      <option value="" hidden>
+        Camera
+      </option>
+      {options.map(({ camera, label }) => (
+        <option key={camera} value={camera}>
+          {label}
+        </option>
+      ))}
+    </select>
   );
 }

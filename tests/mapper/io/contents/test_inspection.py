@@ -64,7 +64,43 @@ def test_the_numbers_of_the_plots(tmp_path: Path, kind: str) -> None:
     np.testing.assert_allclose(series(contents, "/battery").values[0], [12.0, -1.5, 90.0, 30.5], rtol=1e-6)
     np.testing.assert_allclose(series(contents, "/cmd_vel").values[-1], [0.5, 0.0, -0.25])
     assert series(contents, "/cmd_vel").stamps_ns[1] == T0 + SECOND  # it states no time: that of recording counts
-    np.testing.assert_allclose(series(contents, "/odom").values[1], [0.0, 0.0, 0.0, 0.1, 0.0, 0.0], atol=1e-6)
+    # Its twist is empty, so the speeds are those of the poses: 0.1 m each tenth of a second.
+    driven = series(contents, "/odom")
+    assert [column.label for column in driven.columns[:2]] == ["forward from poses", "sideways from poses"]
+    np.testing.assert_allclose(driven.values[1], [1.0, 0.0, 0.0, 0.1, 0.0, 0.0], atol=1e-6)
+
+
+def test_speeds_that_an_odometry_states_are_kept(tmp_path: Path) -> None:
+    said = [recorded.odometry(T0 + n * TICK, 1.0 * n, 0.0, 0.0) for n in range(3)]
+    said[1].fields["twist"]["twist"]["linear"] = {"x": 9.0, "y": 0.0, "z": 0.0}
+    driven = series(inspect(recorded.written(tmp_path, said, "mcap")), "/odom")
+    assert driven.columns[0].label == "forward"
+    np.testing.assert_allclose(driven.values[:, 0], [0.0, 9.0, 0.0])
+
+
+def test_speeds_of_poses_far_from_the_origin(tmp_path: Path) -> None:
+    """On a circle of 2 m at 0.5 m/s, in UTM coordinates, of which float32 keeps no more than half metres."""
+    radius, speed, east, north = 2.0, 0.5, 500_000.0, 5_400_000.0
+    angles = speed / radius * 0.02 * np.arange(200)
+    said = [
+        recorded.odometry(
+            T0 + n * SECOND // 50,
+            east + radius * math.sin(at),
+            north - radius * math.cos(at),
+            math.remainder(at, math.tau),
+        )
+        for n, at in enumerate(angles)
+    ]
+    driven = series(inspect(recorded.written(tmp_path, said, "mcap")), "/odom")
+    assert np.isnan(driven.values[0, :3]).all()
+    np.testing.assert_allclose(driven.values[1:, 0], speed, atol=1e-4)
+    np.testing.assert_allclose(driven.values[1:, 1], 0.0, atol=1e-4)
+    np.testing.assert_allclose(driven.values[1:, 2], speed / radius, atol=1e-4)
+    far = [recorded.odometry(T0 + n, 1e37 * (-1) ** n, 0.0, 0.0) for n in range(2)]
+    assert np.isnan(series(inspect(recorded.written(tmp_path, far, "db3")), "/odom").values[1, 0])
+    still = [recorded.odometry(T0 + n * TICK, 3.0, 0.0, 0.0) for n in range(3)]
+    standing = series(inspect(recorded.written(tmp_path, still, "bag")), "/odom")
+    np.testing.assert_array_equal(standing.values[:, :3], np.zeros((3, 3)))
 
 
 def test_an_imu_without_orientation_has_no_yaw(tmp_path: Path) -> None:

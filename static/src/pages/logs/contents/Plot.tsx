@@ -10,8 +10,9 @@ import { useWidth } from "../../../ui/browser/useSize";
 import { written } from "../../../ui/numbers";
 import { timeText } from "../../../ui/timeText";
 import type { Plotted, PlottedColumn } from "../fields/fields";
+import { nearest } from "../plots/strips";
 import { scansAt, selectedMoments } from "../time/scanTimes";
-import { brokenAtGaps } from "./gaps";
+import { brokenAtGaps, isInGap } from "./gaps";
 import {
   axisStyle,
   colourOf,
@@ -70,7 +71,7 @@ function overEachOther(
     return { stroke, fill: null, clip: null, gaps: null, band: null, flags: 1 } as unknown as UPlot.Series.Paths;
   };
   /** The pair that is nearest to a place of the plot, in px. */
-  const nearest = (chart: UPlot, line: number, left: number, top: number): number | null => {
+  const nearestPair = (chart: UPlot, line: number, left: number, top: number): number | null => {
     let [best, least]: [number | null, number] = [null, Number.POSITIVE_INFINITY];
     columns[line - 1]?.values.forEach((value, n) => {
       const x = over.values[n] ?? null;
@@ -103,7 +104,7 @@ function overEachOther(
       points: { size: 6 },
       dataIdx: (chart, line) => {
         const { left = -1, top = -1 } = chart.cursor;
-        return left < 0 ? null : nearest(chart, Math.max(1, line), left, top);
+        return left < 0 ? null : nearestPair(chart, Math.max(1, line), left, top);
       },
     },
     scales: { ...scales, x: { time: false, range: () => range } },
@@ -130,6 +131,7 @@ function overEachOther(
         : { ...line, paths: path, dash: [], points: { show: false } },
     ),
     hooks: {
+      ...options.hooks,
       draw: [
         (chart) => {
           const at = store.frame.peek()?.stamp;
@@ -142,7 +144,7 @@ function overEachOther(
         (chart) =>
           chart.over.addEventListener("click", () => {
             const { left = -1, top = -1 } = chart.cursor;
-            const n = left < 0 ? null : nearest(chart, 1, left, top);
+            const n = left < 0 ? null : nearestPair(chart, 1, left, top);
             const [time, way] = [times[n ?? -1], store.trajectory.peek()];
             if (time !== undefined && way) store.goTo(scansAt(way, time, store.frame.peek()?.count ?? 0));
           }),
@@ -201,8 +203,10 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
     if (!element) return;
     const over = across === undefined ? undefined : columns[across];
     const shown = over ? columns.filter((column) => column !== over) : columns;
+    const made = optionsOf(store, element, series, shown, width, start);
     const options = {
-      ...optionsOf(store, element, series, shown, width, start),
+      ...made,
+      hooks: { ...made.hooks, setLegend: [(chart: UPlot) => showMoment(chart, store, series)] },
       cursor: {
         ...(zoom ? zoomInto(zoom) : CURSOR),
         // Fields of several topics have values at different times.
@@ -221,6 +225,7 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
     const stop = effect(() => {
       void [store.frame.value, selectedMoments(store)];
       chart.redraw(false);
+      showMoment(chart, store, series);
     });
     return () => {
       stop();
@@ -256,6 +261,15 @@ const CURSOR: UPlot.Cursor = {
   points: { size: 6 },
   sync: { key: "log" },
 };
+
+/** Have the legend state the values at the map's moment while the pointer is over no plot. */
+function showMoment(chart: UPlot, store: Store, { times, gaps }: Plotted): void {
+  const at = store.frame.peek()?.stamp;
+  if (at === undefined || (chart.cursor.left ?? -1) >= 0) return;
+  const row = isInGap(gaps, at) ? -1 : nearest(times, at);
+  const idxs = chart.data.map((values, line) => (row < 0 || line === 0 ? row : nearestKnown(values, row)));
+  chart.setLegend({ idxs: idxs.map((one) => (one < 0 ? null : one)) }, false);
+}
 
 /** The row nearest to one that has a value. */
 function nearestKnown(values: ArrayLike<number | null | undefined>, row: number): number {

@@ -7,8 +7,8 @@ import type { ShownLines } from "../../../wire/http";
 import type { ContentsOfSession } from "../contents/useContents";
 import type { LinesState } from "./lines";
 
-/** Formats of recordings of ROS, as the server names them: only those have log lines. */
-const RECORDING = /^(MCAP|ROS )/;
+/** Formats of logs that hold more than scans, as the server names them: recordings of ROS, and CARMEN's topics. */
+const RECORDING = /^(MCAP|ROS |CARMEN)/;
 
 /**
  * The lines of a session's recording, at first those that a link `shown` has. They are asked for when its log is open, for the marks on the time slider; the

@@ -1,13 +1,16 @@
+import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useContext, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { written } from "../../../ui/numbers";
 import { timeText } from "../../../ui/timeText";
 import type { LogInfo, Trajectory } from "../../../wire/protocol";
+import type { Span } from "../contents/series";
 import { ContentsContext } from "../contents/useContents";
 import { Doctor, type DoctorState } from "../Doctor";
 import { trajectoryLabel } from "../library/describeLog";
 import { UtcSwitch } from "../time/Moment";
+import { Motion } from "./Motion";
 import "../viewer.css";
 
 /** The length of the path through the poses that the page has of a trajectory, which need not be all, m. */
@@ -63,7 +66,7 @@ export function Facts({ store }: { readonly store: Store }) {
         <div key={name}>
           <dt>{name}</dt>
           <dd>
-            {value} {name === RECORDED && (log?.start_s ?? null) !== null && <UtcSwitch />}
+            {value} {name === RECORDED && (log?.start_s ?? null) !== null && <UtcSwitch label="Times in UTC" />}
           </dd>
         </div>
       ))}
@@ -73,27 +76,31 @@ export function Facts({ store }: { readonly store: Store }) {
 
 interface OverviewProps {
   readonly store: Store;
+  readonly session: string;
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
   readonly onCorrectPoses?: () => void;
+  /** The interval that all plots show. */
+  readonly zoom: Signal<Span | null>;
   /** The topics of a recording. */
   readonly children: ComponentChildren;
 }
 
-/** What a log opens on: what it is, what happened in it, and its topics once they are known. */
-export function Overview({ store, doctor, onCorrectPoses, children }: OverviewProps) {
+/** What a log opens on: what it is, what happened in it, its motion, and its topics once they are known. */
+export function Overview({ store, session, doctor, onCorrectPoses, zoom, children }: OverviewProps) {
   const contents = useContext(ContentsContext)?.state.value;
   const hasTopics = contents?.kind === "ready" && contents.contents.topics.length > 0;
   return (
-    <>
+    <div class="log-overview">
       <Facts store={store} />
       <Doctor store={store} doctor={doctor} {...(onCorrectPoses ? { onCorrectPoses } : {})} />
+      {store.trajectory.value && <Motion store={store} session={session} zoom={zoom} />}
       {hasTopics && (
         <section aria-label="Topics">
           <h2 class="doctor-title">Topics</h2>
           {children}
         </section>
       )}
-    </>
+    </div>
   );
 }

@@ -40,7 +40,7 @@ interface StripProps {
   /** Where the pointer or the keyboard is on the axis; null nowhere. */
   readonly pointed: Signal<number | null>;
   /** The place of the map's moment. */
-  readonly now: Signal<number | null>;
+  readonly now: ReadonlySignal<number | null>;
   /** The places of what is selected in all views. */
   readonly selected: ReadonlySignal<readonly number[]>;
   /** Whether the axis of time is written below it. */

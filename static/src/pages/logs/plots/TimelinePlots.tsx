@@ -1,28 +1,19 @@
 /** Plots below the timeline of a log: motion and readings from scan to scan, with the timeline's cursor. */
 
-import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useId, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
-import { showAnswer } from "../../../ui/browser/attempts";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
-import { ask } from "../../../wire/ask";
-import type { ScanSeries } from "../../../wire/http";
 import { isInGap } from "../contents/gaps";
-import type { Span } from "../contents/series";
 import { COMPUTED } from "../fields/fields";
 import "./plots.css";
 import { shownStart, shownTime } from "../../../store/shownTime";
-import { lazy } from "../../../ui/lazy";
-import { selectedMoments } from "../time/scanTimes";
-import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, wholeSpan, zoomedSpan } from "./strips";
+import { StripRow } from "./StripRow";
+import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, zoomedSpan } from "./strips";
 import type { TimelinePlotsState } from "./timelinePlots";
+import { useMoments, useScanSeries } from "./useScanSeries";
 
-/** One low plot over time. uPlot is fetched when the first one is shown. */
-const Strip = lazy(async () => (await import("./Strip")).Strip);
-
-/** Colour roles: the robot's motion, its readings, the clock. */
-const TONES: Record<string, string> = { returns: "--miss", interval: "--foreground-soft" };
 /** What is shown at first; in a small window, so that the map has room, fewer. */
 const FIRST = ["speed", "turn rate", "turn", "returns", "pose step"];
 const FIRST_IF_SMALL = ["speed", "turn", "returns"];
@@ -35,10 +26,8 @@ interface TimelinePlotsProps {
 }
 
 export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
-  const series = useSignal<ScanSeries | null>(null);
-  const failure = useSignal<string | null>(null);
   const { zoom } = state;
-  const whole = useSignal<Span>([0, 1]);
+  const { series, failure, whole } = useScanSeries(store, session, zoom);
   const shown = useSignal<readonly string[]>(isSmall() ? FIRST_IF_SMALL : FIRST);
   const pointed = useSignal<number | null>(null);
   const trajectory = store.trajectory.value;
@@ -48,26 +37,10 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   }, [session, trajectory]);
   useEffect(() => {
     pointed.value = null; // the pointer is over another place now
-    const options = span ? { query: { start: span[0], end: span[1] } } : {};
-    return showAnswer(
-      (ending) => ask("GET /api/sessions/{session_id}/scan-series", { session_id: session }, { ...options, ending }),
-      failure,
-      (found) => {
-        series.value = found;
-        if (!span) whole.value = wholeSpan(found.times);
-      },
-    );
   }, [session, trajectory, span]);
 
   const axis = series.value?.axis ?? "time";
-  const now = useComputed(() => {
-    const [frame, way] = [store.frame.value, store.trajectory.value];
-    if (!frame || !way || frame.index === 0) return null;
-    return series.value?.axis === "scan" ? frame.index - 1 : frame.stamp;
-  });
-  const selected = useComputed(() =>
-    selectedMoments(store).map(({ scan, seconds }) => (series.value?.axis === "scan" ? scan : seconds)),
-  );
+  const { now, selected } = useMoments(store, series);
   useSignalEffect(() => {
     const [index, trajectory] = [state.onTimeline.value, store.trajectory.peek()];
     if (!trajectory) return;
@@ -172,35 +145,21 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
         }}
       >
         {visible.map(({ column, range }, n) => (
-          <div key={column.label} class="strip" data-strip={column.label}>
-            <p class="strip-label">
-              <strong>{column.label}</strong>
-              <output>{valueText(column, column.values[row])}</output>
-              {range?.beyond != null && (
-                <span class="quiet" title="Beyond the edge of the plot">
-                  peak {valueText(column, range.beyond)}
-                </span>
-              )}
-            </p>
-            {range ? (
-              <Strip
-                series={found}
-                column={column}
-                shown={range}
-                tone={TONES[column.label] ?? "--robot"}
-                span={interval}
-                zoom={zoom}
-                pointed={pointed}
-                now={now}
-                selected={selected}
-                hasAxis={n === visible.length - 1}
-                start={shownStart(store)}
-                onGo={go}
-              />
-            ) : (
-              <p class="quiet">There are no values.</p>
-            )}
-          </div>
+          <StripRow
+            key={column.label}
+            value={column.values[row]}
+            series={found}
+            column={column}
+            shown={range}
+            span={interval}
+            zoom={zoom}
+            pointed={pointed}
+            now={now}
+            selected={selected}
+            hasAxis={n === visible.length - 1}
+            start={shownStart(store)}
+            onGo={go}
+          />
         ))}
         {visible.length === 0 && <p class="quiet">Choose what to plot.</p>}
       </div>

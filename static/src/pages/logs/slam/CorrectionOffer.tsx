@@ -24,7 +24,7 @@ export function CorrectionOffer({ store, doctor, correction, onCorrectPoses }: C
     return null;
   return (
     <div class="correction-offer" role="status">
-      <span>{isStill ? "No motion in the poses: all scans are drawn from one place" : "The poses drift"}</span>
+      <span>{isStill ? "The poses do not move" : "The poses drift"}</span>
       <Button kind="primary" onClick={onCorrectPoses}>
         {isStill ? "Find its poses" : "Heal its poses"}
       </Button>

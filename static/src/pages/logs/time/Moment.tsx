@@ -49,7 +49,7 @@ export function Moment({ store, seconds, duration }: MomentProps) {
 }
 
 /** Whether times are in UTC, on the whole page. */
-export function UtcSwitch() {
+export function UtcSwitch({ label = "UTC" }: { readonly label?: string }) {
   return (
     <button
       type="button"
@@ -61,7 +61,7 @@ export function UtcSwitch() {
         inUtc.value = !inUtc.peek();
       }}
     >
-      UTC
+      {label}
     </button>
   );
 }

@@ -1,0 +1,53 @@
+"""The speeds of an odometry whose messages state none: those of its poses.
+
+Source: the definition of nav_msgs/Odometry, whose twist is in the frame of the base. Drivers that measure none leave it
+at zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import Float64Array
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.io.contents.model import Column
+
+MOST = 3.0e38  #: a speed beyond it does not fit into float32
+FROM_POSES = "from poses"  #: behind the names of such speeds
+
+
+def states_speeds(rows: Float64Array) -> bool:
+    """Return whether an odometry states speeds, or never moves.
+
+    ``rows`` (n, 6) are forward and sideways (m/s), turning (rad/s), x and y (m), yaw (rad) of each message.
+    """
+    speeds, poses = rows[:, :3], rows[:, 3:]
+    return bool((np.nan_to_num(speeds) != 0.0).any() or (poses == poses[:1]).all())
+
+
+def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Array:
+    """Return forward and sideways (m/s) and turning (rad/s), (n, 3), of poses (n, 3) since the one before.
+
+    ``stamps_ns`` (n,) ascend. NaN for the first pose, for one at the time of the one
+    before, and for more than :data:`MOST`.
+    """
+    seconds = np.diff(stamps_ns) * 1e-9
+    moved = compose(inverse(poses[:-1]), poses[1:])
+    # On an arc the robot moves along the mean of its two headings.
+    half = 0.5 * moved[:, 2]
+    cos, sin = np.cos(half), np.sin(half)
+    x, y = moved[:, 0], moved[:, 1]
+    steps = np.column_stack([cos * x + sin * y, cos * y - sin * x, wrap_angle(moved[:, 2])])
+    speeds = np.full((len(poses), 3), np.nan)
+    passed = seconds > 0.0
+    speeds[1:][passed] = steps[passed] / seconds[passed, None]
+    speeds[np.abs(speeds) > MOST] = np.nan
+    return speeds
+
+
+def from_poses(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+    """Return the columns of an odometry with the names of speeds that are those of its poses."""
+    return tuple(replace(one, label=f"{one.label} {FROM_POSES}") for one in columns[:3]) + columns[3:]
