@@ -51,7 +51,7 @@ _DISK = np.hypot(*np.mgrid[-TOLERANCE : TOLERANCE + 1, -TOLERANCE : TOLERANCE + 
 class Examined:
     """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers.
 
-    ``wanted`` is asked before each map that is made of it: False ends the examination. ``compared`` is called with what
+    ``may_continue`` is called before each map that is made of it: False ends the examination. ``compared`` is called with what
     the drift check measured, whether it finds drift or not.
     """
 
@@ -69,7 +69,7 @@ class Examined:
         return consistency(self)
 
     def check_wanted(self) -> None:
-        """Raise :class:`WorkCancelledError` where ``wanted`` returns False."""
+        """Raise :class:`WorkCancelledError` where ``may_continue`` returns False."""
         if not self.may_continue():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
 
