@@ -51,8 +51,8 @@ _DISK = np.hypot(*np.mgrid[-TOLERANCE : TOLERANCE + 1, -TOLERANCE : TOLERANCE + 
 class Examined:
     """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers.
 
-    ``wanted`` is asked before each map that is made of it: False ends the examination. ``compared`` is called with what
-    the drift check measured, whether it finds drift or not.
+    ``may_continue`` is called before each map that is made of it: False ends the examination. ``compared`` is called
+    with what the drift check measured, whether it finds drift or not.
     """
 
     log: ScanLog
@@ -68,8 +68,8 @@ class Examined:
         """:func:`consistency` as the log states everything: what every check compares with, computed once."""
         return consistency(self)
 
-    def check_wanted(self) -> None:
-        """Raise :class:`WorkCancelledError` where ``wanted`` returns False."""
+    def check_cancelled(self) -> None:
+        """Raise :class:`WorkCancelledError` where ``may_continue`` returns False."""
         if not self.may_continue():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
 
@@ -122,7 +122,7 @@ def unthinned(log: ScanLog, seen: Examined) -> Examined:
 
 def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid:
     """Return the grid of hits and visits of what was examined. Raises :class:`WorkCancelledError`."""
-    seen.check_wanted()
+    seen.check_cancelled()
     config = config or seen.config
     grid = OccupancyGrid(geometry_for(seen.log, config))
     integrate_scans(grid, seen.log, config, None, 0, seen.log.n_scans)
@@ -257,7 +257,7 @@ def _share(counts: NDArray[np.float64]) -> float:
 
 def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], GridGeometry]:
     """Return the scans in ``n_parts`` parts of equal length, and the grid that they share."""
-    seen.check_wanted()
+    seen.check_cancelled()
     geometry = geometry_for(seen.log, seen.config)
     edges = np.linspace(0, seen.log.n_scans, n_parts + 1).astype(int)
     parts = []
