@@ -9,7 +9,6 @@ from mapper.diagnosis.events import DISPLACED, Event, find_events
 from mapper.diagnosis.examination import LEAST_SCANS, examine
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.mounting import CHANGING
-from mapper.diagnosis.sparse import CHECK as SPARSE
 from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.scan import ScanLog
@@ -44,8 +43,8 @@ def diagnose(
 
     findings = examine(log, trajectory, part(0.0, EXAMINED), may_continue, time_offset)
     events = find_events(_remedied(log, findings), may_continue, part(EXAMINED, 1.0))
-    # Where clocks differ or poses are sparse, wheels seem to miss each turn, and where the mount changes, each change.
-    if any(finding.check in (DELAY, CHANGING, SPARSE) for finding in findings):
+    # Where clocks differ, wheels seem to miss each turn, and where the mount changes, each change.
+    if any(finding.check in (DELAY, CHANGING) for finding in findings):
         events = [event for event in events if event.kind not in DISPLACED]
     along = trajectory or log.default_trajectory
     is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")

@@ -62,6 +62,14 @@ def _stamped(log: ScanLog, late: float, rate: float = 0.0) -> ScanLog:
     return understood(RobotLog.of_one(replace(log, trajectories={"odom": given}))).first
 
 
+def _every_other(log: ScanLog) -> ScanLog:
+    """The log with poses at every other scan, and interpolated between them."""
+    timed = TimedPoses(log.stamps_ns[::2], log.trajectory().poses[::2])
+    log = log.take(timed.covers(log.stamps_ns))
+    given = replace(log.trajectory(), poses=timed.at(log.stamps_ns), timed=timed)
+    return replace(log, trajectories={"odom": given})
+
+
 def _by_distance(log: ScanLog) -> ScanLog:
     """The same scans, recorded after equal ways by a robot that drives at several speeds and stops now and then."""
     random = np.random.default_rng(3)
@@ -119,6 +127,7 @@ FAULTS: Mapping[str, tuple[str, Fault]] = {
     "poses with stamps of their own": (NONE, lambda log: _stamped(log, 0.0)),
     "poses stamped 0.15 s late": ("timing.clock", lambda log: _stamped(log, 0.15)),
     "clock of the poses 0.5 % fast": ("timing.clock", lambda log: _stamped(log, 0.0, 0.005)),
+    "poses 0.8 s apart": ("timing.sparse", _every_other),
     "time_increment of scans that are taken at once": (
         "timing.increment",
         lambda log: replace(log, time_increment=0.4 / (log.n_beams - 1)),

@@ -20,6 +20,7 @@ from mapper.diagnosis.finding import MOST_SCANS
 from mapper.io.logs.summary import recorded_seconds
 from mapper.sensors.joint_log import by_sensor, sensors_of
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.sparse_poses import sparse_turns
 
 LEAST_SCANS = 30  #: fewer do not tell what is usual
 LIFTED_SCANS, LIFTED_S = 3, 0.4  #: scans and seconds without a fit, from which the robot was lifted and not pushed
@@ -51,9 +52,9 @@ def find_events(
     """Return the events of a log in the order of their times; of several sensors by the first lidar.
 
     A log without times has none. How far the robot came in a gap is told by its wheels, or by the log's default
-    trajectory. Pushes, slips and lifts need a lidar, at least :data:`LEAST_SCANS` scans, and the
-    robot's own measurement of its motion (:func:`wheels_of`). Raises :class:`WorkCancelledError` where
-    ``may_continue`` returns False.
+    trajectory. Pushes, slips and lifts need a lidar, at least :data:`LEAST_SCANS` scans, and the robot's own
+    measurement of its motion (:func:`wheels_of`), not interpolated in a turn there. Raises
+    :class:`WorkCancelledError` where ``may_continue`` returns False.
     """
     sensors = by_sensor(log)
     lidars = [sensor for sensor in sensors if _is_lidar(sensor[0])]
@@ -66,6 +67,7 @@ def find_events(
     if lidars and wheels is not None and sensor.n_scans >= LEAST_SCANS:
         motions = aligned_motions(sensor, wheels, may_continue, progress)
         untold = near_clock_steps(sensor.take(motions.scans), clock_steps(sensor.take(motions.scans), None))
+        interpolated = _interpolated_scans(sensor, wheels)
         for displacement in displacements(motions, untold):
             kind = _kind(displacement)
             if kind is None or (displacement.moved is None and kind != LIFTED):
@@ -76,6 +78,8 @@ def find_events(
                 (None,) * 3 if displacement.moved is None else (float(value) for value in displacement.moved)
             )
             before, after = int(motions.scans[displacement.before]), int(motions.scans[displacement.after])
+            if interpolated[max(before - 1, 0) : after + 2].any():
+                continue
             stamp = int(sensor.stamps_ns[before]) + round(
                 1e9 * (displacement.begin_s - motions.seconds[displacement.before])
             )
@@ -95,6 +99,14 @@ def find_events(
     return sorted(
         (_of_whole(log, sensor, numbers, event) for event in events), key=lambda event: (event.seconds, event.scan)
     )
+
+
+def _interpolated_scans(log: ScanLog, wheels: str) -> NDArray[np.bool_]:
+    """Return of which scans (n_scans,) the wheels did not measure the turn, as their poses are far apart."""
+    found, is_so = sparse_turns(log, wheels), np.zeros(log.n_scans, dtype=np.bool_)
+    if found is not None:
+        is_so[found.scans] = True
+    return is_so
 
 
 def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:

@@ -12,7 +12,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
-from mapper.diagnosis import Limits, between, examine, judge, mounting, named_findings, sweep, timing
+from mapper.diagnosis import Limits, between, examine, judge, mounting, named_findings, sparse, sweep, timing
 from mapper.diagnosis.consistency import Contradiction
 from mapper.diagnosis.verdict import FINDINGS
 from mapper.io.logs import open_log
@@ -138,6 +138,7 @@ def test_every_finding_that_the_checks_can_make_has_its_name_in_the_list() -> No
         "readings.few",
         between.CHECK,
         mounting.CHANGING,
+        sparse.CHECK,
         sweep.CHECK,
         timing.CLOCK,
     }
