@@ -90,7 +90,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
             Finding(
                 "clock.doubled",
                 f"{int(same.sum())} scan{'s have' if same.sum() > 1 else ' has'} the same time as the one before.",
-                "Look whether the readings are doubled as well: then a scan was recorded twice.",
+                "Check whether the readings are repeated too: then a scan was recorded twice.",
                 1.0,
                 _places(same),
             )
@@ -110,7 +110,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
                     if gap.sum() > 1
                     else "."
                 ),
-                "If the robot moved meanwhile, no scan shows where to: check the map after the gap.",
+                "If the robot moved meanwhile, no scan shows where it went: check the map after the gap.",
                 1.0,
                 _places(gap),
             )

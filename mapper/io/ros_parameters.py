@@ -25,7 +25,7 @@ from mapper.io.untrusted_yaml import (
 
 MAX_BYTES = 1 << 20  #: a whole Nav2 stack's file has some 20 kB
 MAX_DEPTH = UntrustedLoader.most_levels
-MOST_TWICE = 10  #: notes on keys that stand twice
+MOST_TWICE = 10  #: notes on keys that occur twice
 MAX_VALUES = UntrustedLoader.most_values
 
 
@@ -79,7 +79,7 @@ def parse_ros_parameters(data: bytes) -> ParameterFile:
         raise ReadError("parameters.yaml", "The parameter file holds no names with values.")
     file = ParameterFile(root)
     file.notes = tuple(
-        f"The key {key!r:.80} stands twice, in lines {first} and {last}: the latter alone counts, as in Nav2’s launch "
+        f"The key {key!r:.80} occurs twice, in lines {first} and {last}: the latter alone counts, as in Nav2’s launch "
         "files."
         for key, first, last in twice[:MOST_TWICE]
     )

@@ -52,7 +52,7 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
         SafeConstructor.__init__(self)
         Resolver.__init__(self)
         self._anchored: dict[str, tuple[int, int]] = {}  #: values and levels of each node with a name
-        self.twice: list[tuple[str, int, int]] = []  #: keys that stand twice in a mapping, of which the last counts
+        self.twice: list[tuple[str, int, int]] = []  #: keys that occur twice in a mapping, of which the last counts
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:  # noqa: ANN401 - PyYAML's own
         """Return the next mapping; a key that stands in it again is noted in ``twice``."""
@@ -133,7 +133,7 @@ def load_untrusted(text: str) -> Any:  # noqa: ANN401 - what yaml holds
 
 
 def load_with_twice(text: str) -> tuple[Any, list[tuple[str, int, int]]]:
-    """Return the value of a YAML text, and the keys that stand twice in a mapping, with their lines.
+    """Return the value of a YAML text, and the keys that occur twice in a mapping, with their lines.
 
     Of such the last counts alone. Raises :class:`yaml.YAMLError`.
     """

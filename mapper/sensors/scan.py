@@ -325,7 +325,7 @@ class ScanLog:
         if self.odometry is not None and len(self.odometry.before_scan) != len(self.ranges):
             raise ConfigError(
                 "log.odometry",
-                f"The odometry stands beside {len(self.odometry.before_scan)} scans, and the log has "
+                f"The odometry has poses for {len(self.odometry.before_scan)} scans, and the log has "
                 f"{len(self.ranges)}.",
             )
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)

@@ -25,7 +25,7 @@ from tests.hostile.damage import ALL, opened
 ROOT = Path(__file__).parents[2]
 SIZE = 4 * bombs.GIB
 BAG, MCAP, SQLITE = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n", b"SQLite format 3\0"
-#: A record of each that claims all that follows, of a kind that is passed over.
+#: A record of each that claims all that follows, of a kind that is skipped.
 BAG_SKIPPED = BAG + bag_record({"op": b"\x09"}, b"")[:-4] + b"\xff\xff\xff\xff"
 MCAP_SKIPPED = MCAP + struct.pack("<BQ", 0x7F, 1 << 40)
 

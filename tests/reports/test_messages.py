@@ -435,7 +435,7 @@ def test_a_map_that_is_too_large_has_the_notes_on_its_log(tmp_path, run):
     told = run("map", written(tmp_path, said, "mcap"), "--out", tmp_path / "map")
     assert told.status == 2
     assert "choose a coarser resolution" in told.err
-    assert "as it seems its poses are in millimetres" in told.err
+    assert "apparently its poses are in millimetres" in told.err
 
 
 def test_refused_messages_are_counted_by_their_reasons(tmp_path):
@@ -637,7 +637,7 @@ def test_readings_in_millimetres_are_no_code_for_no_return(tmp_path):
     path = tmp_path / "a.log"
     path.write_bytes(in_units(flaser(180, -90.0, 1.0), 1000.0))
     said = " ".join(open_log(path).notes)
-    assert re.search(r"The readings are usually [\d,]+ m, farther than a lidar measures: as it seems they are in", said)
+    assert re.search(r"The readings are usually [\d,]+ m, farther than a lidar measures: apparently they are in", said)
     assert "no return" not in said
 
 

@@ -299,7 +299,7 @@ def test_thresholds_are_written_as_the_integers_that_nav2_declares() -> None:
     assert [(values[name], type(values[name])) for name in names] == [(100, int), (99, int), (255, int)]
 
 
-TWICE = "The key {!r} stands twice, in lines {} and {}: the latter alone counts, as in Nav2’s launch files."
+TWICE = "The key {!r} occurs twice, in lines {} and {}: the latter alone counts, as in Nav2’s launch files."
 
 
 def test_a_key_that_stands_twice_has_a_note() -> None:
@@ -337,7 +337,7 @@ def test_what_looks_right_and_is_not_what_nav2_reads_has_a_note_or_says_why() ->
     assert "'a, b', has commas" in node(layer + 'observation_sources: "a, b"}').notes[0]
     with pytest.raises(MapperError, match=r"combination_method must be 0, 1 or 2, not 1\.0"):
         node(layer + "combination_method: 1.0}")
-    with pytest.raises(MapperError, match="with ros__parameters: 'ros_parameters' stands there in its place"):
+    with pytest.raises(MapperError, match="with ros__parameters: 'ros_parameters' is there instead"):
         parse_nav2_costmap(b"global_costmap: {global_costmap: {ros_parameters: {robot_radius: 0.3}}}")
     assert node("plugins: []\nfootprint: []").footprint is None
 
@@ -551,7 +551,7 @@ def test_a_follower_that_is_not_built_is_named_with_the_one_in_its_place() -> No
 
 @pytest.mark.parametrize("text", ["obstacle_range: 2.5\nfootprint: [[0, 0]]\n", "global_costmap: {robot_radius: 0.3}"])
 def test_a_file_of_ros_1_is_named_as_such(text: str) -> None:
-    with pytest.raises(MapperError, match="one of ROS 1’s move_base, whose parameters stand in its nodes"):
+    with pytest.raises(MapperError, match="one of ROS 1’s move_base, whose nodes have their parameters directly"):
         parse_nav2_costmap(text.encode())
 
 
@@ -675,7 +675,7 @@ def test_what_only_sources_have_does_nothing_in_their_layer() -> None:
 
 
 def test_the_node_that_is_read_is_the_one_that_is_replaced() -> None:
-    """In a file with two robots, and of a node that stands twice; a file without the node gets it."""
+    """In a file with two robots, and of a node that occurs twice; a file without the node gets it."""
     two = b"""
 /r1/global_costmap/global_costmap: {ros__parameters: {robot_radius: 0.1}}
 r2: {global_costmap: {global_costmap: {ros__parameters: {robot_radius: 0.2}}}}

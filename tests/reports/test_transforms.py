@@ -514,7 +514,7 @@ NOT_SOURCES: dict[str, tuple[Callable[[int, Pose], list[Said]], str]] = {
     ),
     "goals": (
         lambda at, pose: [recorded.pose_stamped(at, *pose, "/goal_pose")],
-        r"\(/goal_pose: geometry_msgs/PoseStamped, at which the robot shall be\)",
+        r"\(/goal_pose: geometry_msgs/PoseStamped, where the robot is to go\)",
     ),
 }
 
@@ -549,7 +549,7 @@ def test_a_mount_that_no_transform_states_is_known_to_be_assumed(
 def test_poses_in_millimetres_are_named(tmp_path: Path) -> None:
     far = [LASER, *drive(lambda at, pose: [recorded.pose_stamped(at, 1000 * pose[0], 1000 * pose[1], pose[2])])]
     (note,) = open_log(written(tmp_path, far, "mcap")).notes
-    assert re.search(r"By pose the robot usually moves at 7\d\d m/s: as it seems its poses are in millimetres", note)
+    assert re.search(r"By pose the robot usually moves at 7\d\d m/s: apparently its poses are in millimetres", note)
 
 
 @pytest.mark.parametrize("topic", ["/scan", "/odom", "/tf"])

@@ -59,7 +59,7 @@ DEFAULT_LAYERS = {"static_layer": "StaticLayer", "obstacle_layer": "ObstacleLaye
 _STRUCTURE = frozenset(("plugins", "filters", "plugin", "resolution", "plugin_names", "plugin_types"))
 #: Keys at the top of the files of ROS 1, and what is different in them.
 OF_ROS1 = frozenset((*NODES, "obstacle_range", "raytrace_range", "footprint", "robot_radius", "inflation_radius"))
-ROS1 = "whose parameters stand in its nodes by themselves: put them below ros__parameters, with a list of plugins"
+ROS1 = "whose nodes have their parameters directly: put them below ros__parameters, with a list of plugins"
 OF_NAV2 = ("nav2_costmap_2d", "gridbloom", "costmap_2d", "")  #: packages of the plugins that are built here
 MAX_LAYERS = 20
 LEAST_POINTS = 3  #: of a footprint
@@ -89,11 +89,11 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
         others = (key for key in _keys(root) if key != "ros__parameters")
         misspelt = difflib.get_close_matches("ros__parameters", others, 1, 0.85)
         if misspelt:
-            more = f": {misspelt[0]!r:.40} stands there in its place."
+            more = f": {misspelt[0]!r:.40} is there instead."
         elif has:
             more = f"; it has {has:.300}."
         else:
-            more = f"; as it seems it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
+            more = f"; apparently it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
         message = f"The parameter file has no costmap: no {nodes} with ros__parameters{more}"
         raise ReadError("nav2.no_costmap", message)
     costmap = _Reader(root, *block).read()

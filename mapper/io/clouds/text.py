@@ -272,12 +272,12 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
         names = ("", *names)
         columns = replace(columns, axes=(columns.axes[0] + 1, columns.axes[1] + 1, columns.axes[2] + 1))
     elif len(names) != rows.shape[1]:
-        raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} names stand above.")
+        raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} column names.")
     points = rows[:, list(columns.axes)] * columns.metres
     notes = (*notes, *columns.notes)
     if begin.others:
         lines = "1 line" if begin.others == 1 else f"{begin.others} lines"
-        notes = (*notes, f"What stands before the names of the columns is passed over: {lines}.")
+        notes = (*notes, f"Text before the column names is skipped: {lines}.")
     if words:
         listed = ", ".join(printable(names[k][:100]) for k in words[:6])
         notes = (*notes, f"Columns with other things than numbers are left out: {listed}.")

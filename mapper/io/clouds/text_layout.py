@@ -172,7 +172,7 @@ def _thousands() -> ReadError:
 def _decimal_commas(what: str) -> ReadError:
     return ReadError(
         "cloud.decimal_commas",
-        f"As it seems, {what}: save the file with decimal points, or with decimal commas and semicolons, tabs or "
+        f"Apparently {what}: save the file with decimal points, or with decimal commas and semicolons, tabs or "
         "blanks between the columns.",
     )
 

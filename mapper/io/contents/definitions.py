@@ -85,7 +85,9 @@ def _field(line: str, package: str) -> Field | None:
     match = _FIELD.match(line)
     kind = None if match is None else _TYPE.fullmatch(match[1])
     if match is None or kind is None:
-        raise ReadError("message.definition", f"The recording’s definition has the line {line!r:.100}, which is none.")
+        raise ReadError(
+            "message.definition", f"The recording’s definition has the line {line!r:.100}, which is not a definition."
+        )
     if match[3]:
         return None
     base = kind[1]

@@ -160,11 +160,11 @@ class Inspector(MessageSink):
         return topic is not None and topic.is_read
 
     def knows(self, key: int) -> bool:  # noqa: ARG002 - as all sinks have it
-        """Return False for any stream: no chunk is passed over by its index, which has no sizes."""
+        """Return False for any stream: no chunk is skipped by its index, which has no sizes."""
         return False
 
     def pass_over(self, key: int, count: int) -> None:
-        """Count nothing: no chunk is passed over."""
+        """Count nothing: no chunk is skipped."""
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
         """Take one message, recorded at ``stamp_ns``. Raises :class:`LimitError`."""

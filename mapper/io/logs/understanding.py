@@ -165,7 +165,7 @@ def _notes_on_speed(log: ScanLog) -> list[str]:
         usual = float(np.median(speeds)) if len(speeds) >= LEAST_SCANS else 0.0
         if usual > FASTEST_USUAL:
             notes.append(
-                f"By {name} the robot usually moves at {usual:,.0f} m/s: as it seems its poses are in millimetres or "
+                f"By {name} the robot usually moves at {usual:,.0f} m/s: apparently its poses are in millimetres or "
                 "centimetres, or the times are in another unit. They are taken for metres and seconds."
             )
     return notes
@@ -180,7 +180,7 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
     usual = max(_usual_reading(part) for part in sensors_of(log))
     if usual > FARTHEST_USUAL_M:
         note = (
-            f"The readings are usually {usual:,.0f} m, farther than a lidar measures: as it seems they are in "
+            f"The readings are usually {usual:,.0f} m, farther than a lidar measures: apparently they are in "
             "millimetres or centimetres. They are taken for metres, so hardly any is within the map’s max range."
         )
         return [note]
@@ -205,7 +205,7 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
         side = "beyond" if name == "range_max" else "below"
         note = (
             f"None of the {total} readings counts, so the map has no walls: {excluded} are {side} {name}, "
-            f"{limits[name]:g} m. They are usually {usual:,.3g} m: as it seems that limit is wrong, or the readings "
+            f"{limits[name]:g} m. They are usually {usual:,.3g} m: apparently that limit is wrong, or the readings "
             "are in another unit."
         )
         return [note]

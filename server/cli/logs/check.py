@@ -47,7 +47,9 @@ def check(
     ] = None,
     no_findings: Annotated[
         str | None,
-        typer.Option(metavar="NAMES", help="Findings of the doctor that there may not be: clock,mount.offset or all."),
+        typer.Option(
+            metavar="NAMES", help="Findings of the doctor that make the check fail: clock,mount.offset or all."
+        ),
     ] = None,
     possible: Annotated[
         bool, typer.Option("--possible", help="Let findings count, too, that the doctor states as possible.")

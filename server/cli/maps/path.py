@@ -36,7 +36,7 @@ from server.cli.maps.costmap import (
 def path(
     map_yaml: Annotated[Path, typer.Argument(metavar="MAP.yaml", help="A map file.")],
     start: Annotated[str, typer.Option("--from", metavar="X,Y", help="Where the robot is, in metres.")],
-    goal: Annotated[str, typer.Option("--to", metavar="X,Y", help="Where it shall go, in metres.")],
+    goal: Annotated[str, typer.Option("--to", metavar="X,Y", help="The goal, in metres.")],
     params: Annotated[
         Path | None,
         typer.Option(metavar="NAV2.yaml", help="Nav2 parameter file of costmap and planner; else defaults."),

@@ -49,8 +49,8 @@ def evaluate(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Known relations (Kümmerle et al. 2009); REFERENCE is their log then. Published results stand beside, "
-            "of a log of that benchmark by the file's name, as intel.relations.",
+            help="Known relations (Kümmerle et al. 2009); REFERENCE is their log then. Published results are printed "
+            "too, of a log of that benchmark by the file's name, as intel.relations.",
         ),
     ] = None,
     max_difference: Annotated[float, typer.Option(metavar="S", help="Greatest difference of stamps of a pair.")] = 0.01,
@@ -139,7 +139,7 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, read: R
     """Print the errors of a log's poses, or of others of its scans, over known relations."""
     path, name = _path_and_name(log)
     if not is_log(path):
-        fail(f"{path}: The relations need the log that they belong to, and this is none.")
+        fail(f"{path}: The relations need the log that they belong to, which this is not.")
     scans = read(path)
     with refusing(relations):
         known = read_relations(relations)

@@ -69,7 +69,7 @@ def localize(
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="A localization parameter; given again, another one."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, metavar="N", help="Of the random numbers. [0]", show_default=False)] = 0,
+    seed: Annotated[int, typer.Option(min=0, metavar="N", help="Seed of random numbers. [0]", show_default=False)] = 0,
     topic: TopicNames = None,
     trajectory: TrajectoryName = None,
     tum_trajectory: TumTrajectory = None,

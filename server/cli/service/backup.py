@@ -18,7 +18,7 @@ DataDir = Annotated[
     Path | None, typer.Option("--data-dir", help="Folder of the service's logs. [that of GRIDBLOOM_DATA_DIR]")
 ]
 ELSEWHERE = (
-    "Records or logs are kept elsewhere (GRIDBLOOM_DATABASE, GRIDBLOOM_BLOBS): back these up by the means of their "
+    "Records or logs are kept elsewhere (GRIDBLOOM_DATABASE, GRIDBLOOM_BLOBS): back these up with the tools of their "
     "stores, such as pg_dump and versions of a bucket."
 )
 

@@ -114,7 +114,7 @@ async def field(
     topic: Annotated[str, Query(max_length=400)],
     field: Annotated[str, Query(max_length=400, description="Its path in the message, as /contents/fields has it.")],
     made: Annotated[Made, Query(description="The value, its change per second, or its moving average.")] = "value",
-    window: Annotated[float, Query(gt=0.0, le=86_400.0, description="Of the moving average, seconds.")] = 1.0,
+    window: Annotated[float, Query(gt=0.0, le=86_400.0, description="Window of the moving average, seconds.")] = 1.0,
     start: Annotated[Seconds | None, Query(description="Seconds; from the beginning where left out.")] = None,
     end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
     buckets: Buckets = BUCKETS,

@@ -60,7 +60,7 @@ class ShownField(BaseModel, extra="forbid"):
     topic: str = Field(max_length=400)
     field: str = Field(max_length=400, description="Its path in the message.")
     made: Made = Field(description="The value, its change per second, or its moving average.")
-    window: FiniteFloat = Field(gt=0.0, le=86_400.0, description="Of the moving average, seconds.")
+    window: FiniteFloat = Field(gt=0.0, le=86_400.0, description="Window of the moving average, seconds.")
 
 
 class ShownPlots(BaseModel, extra="forbid"):

@@ -50,7 +50,7 @@ def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             about, data = json.loads(arrays["about"].tobytes()), arrays["costs"].tobytes()
         if about.get("kind") != _KIND or about["version"] != VERSION:
-            raise StalePackError("The pack is none of costmaps.")
+            raise StalePackError("The pack holds no costmaps.")
         begin = 0
         for item in about["items"]:
             resolution, rows, cols, origin = item.pop("geometry")

@@ -50,7 +50,7 @@ def read_volume_pack(path: Path) -> VolumeSource:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             about = json.loads(arrays["about"].tobytes())
             if about.get("kind") not in (_SCANS, _OCTREE) or about["version"] != VERSION:
-                raise StalePackError("The pack is none of a 3D map.")
+                raise StalePackError("The pack holds no 3D map.")
             if about["kind"] == _OCTREE:
                 tree = Octree(float(about["resolution"]), arrays["values"], arrays["masks"])
                 return OctreeFile(about["ending"], about["header"].encode("latin-1"), tree, tuple(about["notes"]))

@@ -56,7 +56,7 @@ def source_of_scans(config: ObstacleConfig) -> SourceConfig | None:
 
 
 class _Plain(yaml.SafeDumper):
-    """Writes a part that stands twice twice: the parameter reader of ROS 2 refuses aliases."""
+    """Writes a part that occurs twice twice: the parameter reader of ROS 2 refuses aliases."""
 
     def ignore_aliases(self, data: object) -> bool:
         del data

@@ -1222,7 +1222,7 @@ export interface ShownField {
   readonly field: string;
   /** The value, its change per second, or its moving average. */
   readonly made: "value" | "derivative" | "average";
-  /** Of the moving average, seconds. */
+  /** Window of the moving average, seconds. */
   readonly window: number;
 }
 

@@ -31,8 +31,7 @@ _SENTENCES = {
         "range limits them."
     ),
     INFINITE: (
-        "state no greatest distance (range_max inf): readings of any distance count, and the map’s max range limits "
-        "them."
+        "state no maximum range (range_max inf): readings of any distance count, and the map’s max range limits them."
     ),
     SWAPPED: (
         "state a range_min of {range_min:g} m above their range_max of {range_max:g} m: the two are taken the other "

@@ -131,7 +131,7 @@ def _moving_first(trajectories: dict[str, Trajectory], notes: list[str]) -> dict
     if first not in still or len(still) == len(trajectories):
         return trajectories
     ordered = sorted(trajectories, key=lambda name: name in still)
-    notes.append(f"By {first} the robot never moves, and by {ordered[0]} it does: the latter is the log’s first.")
+    notes.append(f"By {first} the robot never moves, but by {ordered[0]} it does: {ordered[0]} is used first.")
     return {name: trajectories[name] for name in ordered}
 
 

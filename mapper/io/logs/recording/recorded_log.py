@@ -171,7 +171,7 @@ class RecordedLog:
         notes += more
         notes += sensor.notes_on_angles
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
-            notes.append("Of each beam’s echoes the first is taken.")
+            notes.append("The first echo of each beam is used.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
         notes += self._notes_on_time(sensor)
         tree = self._taken.tf.tree_of(sensor.topic, sensor.frame)

@@ -142,7 +142,7 @@ class Recording(MessageSink):
             self._channels[key][0].count += count
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002 - as sinks
-        """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is passed over.
+        """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is skipped.
 
         Of a stream that is not wanted, ``data`` may be left out and ``size`` say how many bytes there are. Raises
         :class:`LimitError`.

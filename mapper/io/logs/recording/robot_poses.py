@@ -44,7 +44,7 @@ NO_SOURCES = {
     "geometry_msgs/Twist": "velocities",
     "geometry_msgs/TwistStamped": "velocities",
 }
-#: Words of topics of poses at which a robot shall be, and not is.
+#: Words in the names of topics of goal poses.
 WANTED = frozenset(("goal", "target", "setpoint", "waypoint", "initialpose", "initial", "desired", "reference", "plan"))
 LEAST_SPEED = 0.02  #: m/s, at which a robot drives
 MOST_BETWEEN_S = 5.0  #: usually between two poses that follow a motion
@@ -301,7 +301,7 @@ class RobotPoses:
         for stream in self.taken.streams:
             why = None if stream.topic in self.taken.poses else NO_SOURCES.get(stream.kind)
             if stream.kind in KINDS and _is_wanted(stream.topic):
-                why = "at which the robot shall be"
+                why = "where the robot is to go"
             if why is not None and stream.count:
                 notes.append(f"{stream.topic}: {stream.kind}, {why}")
         return notes
@@ -356,5 +356,5 @@ class RobotPoses:
 
 
 def _is_wanted(topic: str) -> bool:
-    """Return whether poses on a topic are, by its name, those at which a robot shall be."""
+    """Return whether poses on a topic are, by its name, goals."""
     return bool(WANTED & set(re.split(r"[^a-z]+", topic.lower())))

@@ -41,7 +41,7 @@ class MessageSink(Protocol):
         """Go on with another file of the same recording, in which streams have keys of their own."""
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
-        """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is passed over.
+        """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is skipped.
 
         Of a stream that is not wanted, ``data`` may be left out and ``size`` say how many bytes there are. Raises
         :class:`LimitError`.

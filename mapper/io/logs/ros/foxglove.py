@@ -106,7 +106,7 @@ def is_of_use(kind: str) -> bool:
 
 
 def _of_ros(data: bytes, table: Table, *, cdr: bool) -> dict[str, Any]:
-    """Return the values of a message of foxglove_msgs; what newer releases append to it is passed over."""
+    """Return the values of a message of foxglove_msgs; what newer releases append to it is skipped."""
     return _fields_of_ros(MessageFields(data, cdr=cdr), table)
 
 

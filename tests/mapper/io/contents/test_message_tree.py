@@ -130,5 +130,5 @@ def test_definitions_that_grow_without_end_are_refused() -> None:
         tree_of("own/Data", nested, b"", cdr=False)
     with pytest.raises(ReadError, match=r"own/Data\.a is of type own/Missing"):
         tree_of("own/Data", "Missing a", b"", cdr=False)
-    with pytest.raises(ReadError, match="which is none"):
+    with pytest.raises(ReadError, match="which is not a definition"):
         tree_of("own/Data", "struct { int a; }", b"", cdr=False)
