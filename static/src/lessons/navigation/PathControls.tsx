@@ -58,7 +58,7 @@ export function PathControls() {
           }}
         />
         <Slider
-          label="Part of the search"
+          label="Progress"
           sentence="How much of the search is shown; the path appears at its end."
           value={Math.round(100 * progress.value)}
           initial={100}
