@@ -163,18 +163,19 @@ function evidenceAlongBeam(
   const half = ramp ? 2 * (ramp.sigma + ramp.growth * z) : config.window / 2;
   const model = { hit: config.log_odds_hit, miss: config.log_odds_miss };
   const end = cellOfBeam(geometry, pose, bearing, z);
-  const found: Evidence[] = [];
+  const updates: Evidence[] = [];
   let endFound = false;
   for (const cell of cellsAlong(geometry, pose, bearing, z + half, config)) {
     const isEnd = cell.row === end.row && cell.col === end.col;
     const r = half === 0 ? 0 : distance(geometry, pose, cell);
-    if (isEnd) found.push({ cell, evidence: config.log_odds_hit });
-    else if (half === 0 || r < z - half) found.push({ cell, evidence: config.log_odds_miss });
-    else if (r <= z + half) found.push({ cell, evidence: ramp ? smoothRamp(r, z, half, model) : config.log_odds_hit });
+    if (isEnd) updates.push({ cell, evidence: config.log_odds_hit });
+    else if (half === 0 || r < z - half) updates.push({ cell, evidence: config.log_odds_miss });
+    else if (r <= z + half)
+      updates.push({ cell, evidence: ramp ? smoothRamp(r, z, half, model) : config.log_odds_hit });
     endFound ||= isEnd;
   }
-  if (!endFound) found.push({ cell: end, evidence: config.log_odds_hit });
-  return found;
+  if (!endFound) updates.push({ cell: end, evidence: config.log_odds_hit });
+  return updates;
 }
 
 /** The cells that a beam crosses up to the distance `z`, in order. */

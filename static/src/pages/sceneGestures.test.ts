@@ -7,16 +7,16 @@ function heard(init: PointerEventInit): (readonly [type: string, button: number,
   const frame = document.createElement("div");
   const canvas = frame.appendChild(document.createElement("canvas"));
   addGestures(frame);
-  const found: (readonly [string, number, number])[] = [];
+  const differences: (readonly [string, number, number])[] = [];
   const types = ["pointerdown", "pointermove", "pointerup"] as const;
   for (const type of types) {
-    canvas.addEventListener(type, (event) => found.push([event.type, event.button, event.buttons]));
+    canvas.addEventListener(type, (event) => differences.push([event.type, event.button, event.buttons]));
   }
   for (const type of types) {
     const buttons = type === "pointerup" ? 0 : (init.buttons ?? 0);
     canvas.dispatchEvent(new PointerEvent(type, { ...init, buttons, bubbles: true }));
   }
-  return found;
+  return differences;
 }
 
 const MOUSE = { pointerType: "mouse" } as const;

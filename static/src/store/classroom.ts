@@ -218,19 +218,19 @@ else if (remembered) void reopen();
 /** What the service says of the lecturer's own class, for the screen with its code. */
 export const openClass = signal<OpenClassAnswer | null>(null);
 
-function begin(found: OpenClassAnswer): void {
+function begin(opened: OpenClassAnswer): void {
   batch(() => {
-    storage()?.setItem(KEY, found.code);
-    openClass.value = found;
-    if (classroom.peek()?.code !== found.code) classroom.value = new Classroom(found.code, false);
+    storage()?.setItem(KEY, opened.code);
+    openClass.value = opened;
+    if (classroom.peek()?.code !== opened.code) classroom.value = new Classroom(opened.code, false);
   });
 }
 
 /** Connect to the class that was open when the browser last showed a page. */
 async function reopen(): Promise<void> {
   try {
-    const found = await ask("GET /api/classes", {});
-    if (found) begin(found);
+    const answer = await ask("GET /api/classes", {});
+    if (answer) begin(answer);
     else storage()?.removeItem(KEY);
   } catch (error) {
     if (error instanceof RequestError && error.status !== null) storage()?.removeItem(KEY);

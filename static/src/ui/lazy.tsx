@@ -7,13 +7,13 @@ const RETRY_MS = 3000;
 
 /** A component whose code is fetched when it is first shown, with retries while the server does not answer. */
 export function lazy<Props extends object>(load: () => Promise<ComponentType<Props>>): FunctionComponent<Props> {
-  const found = signal<{ readonly part: ComponentType<Props> } | null>(null);
+  const loaded = signal<{ readonly part: ComponentType<Props> } | null>(null);
   let isAsked = false;
   const ask = async (): Promise<void> => {
     if (isAsked) return;
     isAsked = true;
     try {
-      found.value = { part: await awaited(load()) };
+      loaded.value = { part: await awaited(load()) };
     } catch {
       isAsked = false;
       setTimeout(() => void ask(), RETRY_MS);
@@ -21,6 +21,6 @@ export function lazy<Props extends object>(load: () => Promise<ComponentType<Pro
   };
   return (props) => {
     useEffect(() => void ask(), []);
-    return found.value && createElement(found.value.part, props);
+    return loaded.value && createElement(loaded.value.part, props);
   };
 }

@@ -98,10 +98,10 @@ function paintLandscape(scores: Float32Array): Image {
 
 /** Starts by how the match ends; those not computed yet in the colour of the page. */
 function paintBasin(ends: Uint8Array): Image {
-  const [found, elsewhere] = [tokenRgb("--miss-fill"), tokenRgb("--hit-wash")];
+  const [foundColour, elsewhere] = [tokenRgb("--miss-fill"), tokenRgb("--hit-wash")];
   const pending = tokenRgb("--surface");
   return painted(STARTS, (index) => {
-    if (ends[index] === TRUE_POSE) return [...found, 255];
+    if (ends[index] === TRUE_POSE) return [...foundColour, 255];
     return ends[index] === ELSEWHERE ? [...elsewhere, 255] : [...pending, 255];
   });
 }

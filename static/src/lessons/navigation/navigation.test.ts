@@ -25,11 +25,11 @@ describe("the planner of the lecture", () => {
   it("finds the potentials and paths of the library", () => {
     for (const { costs, unknown, a_star, start, goal, potential, path } of vectors.searches) {
       const ground: Ground = { costs: Uint8Array.from(costs), rows, cols, table: stepCosts(unknown) };
-      const found = search(ground, start, goal, a_star);
-      found.potential.forEach((cost, i) => {
+      const result = search(ground, start, goal, a_star);
+      result.potential.forEach((cost, i) => {
         expect(Number.isFinite(cost) ? cost : -1).toBeCloseTo(potential[i] ?? Number.NaN, 5);
       });
-      expect(pathBack(ground, found.potential, start, goal) ?? []).toEqual(path);
+      expect(pathBack(ground, result.potential, start, goal) ?? []).toEqual(path);
     }
   });
 

@@ -109,7 +109,7 @@ function boxes(scene: Scene): readonly Box[] {
 export function Pipeline() {
   const playing = useSignal(false);
   const root = useRef<HTMLDivElement>(null);
-  const found = boxes(useInSight(root, ALGORITHM.reading));
+  const inView = boxes(useInSight(root, ALGORITHM.reading));
   const at = pipelineStep.value;
   const go = (next: number): void => {
     pipelineStep.value = Math.min(LAST, Math.max(0, next));
@@ -127,11 +127,11 @@ export function Pipeline() {
         <p class="pipeline-loop-name">for each scan, with its pose x, y, θ</p>
         <div class="pipeline-loop">
           <p class="pipeline-loop-name">for each beam of the scan</p>
-          {found.length === 0 ? (
+          {inView.length === 0 ? (
             <p>This beam has no return and is ignored.</p>
           ) : (
             <ol class="pipeline-steps">
-              {found.map(({ name, formula, value }, i) => (
+              {inView.map(({ name, formula, value }, i) => (
                 <li
                   key={name}
                   class={i < at ? "done" : i === at ? "now" : ""}

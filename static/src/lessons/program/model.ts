@@ -104,17 +104,17 @@ export function runProgram(geometry: GridGeometry, scan: LaserScan, pose: Pose):
     evidence = [];
     current = null;
     at(...GATHER);
-    const found = evidenceOfBeam(geometry, scan, i, pose, INITIAL_CONFIG);
-    if (found.length === 0) at(...NOTHING);
+    const updates = evidenceOfBeam(geometry, scan, i, pose, INITIAL_CONFIG);
+    if (updates.length === 0) at(...NOTHING);
     else {
       at(...READING);
-      evidence = found.map(({ cell }) => ({ cell, evidence: INITIAL_CONFIG.log_odds_miss }));
+      evidence = updates.map(({ cell }) => ({ cell, evidence: INITIAL_CONFIG.log_odds_miss }));
       at(ENDPOINT);
-      evidence = found;
+      evidence = updates;
       at(GATHERED);
     }
     at(PUT);
-    for (const [k, entry] of found.entries()) {
+    for (const [k, entry] of updates.entries()) {
       current = k;
       at(IS_INSIDE);
       const index = indexOf(geometry, entry.cell);

@@ -86,9 +86,9 @@ const kept: MapHistory[] = [];
 export function historyOf(plan: Plan): MapHistory {
   const key = keyOf(plan);
   const at = kept.findIndex((entry) => entry.key === key);
-  const found = kept[at] ?? new MapHistory(plan);
+  const history = kept[at] ?? new MapHistory(plan);
   if (at >= 0) kept.splice(at, 1);
-  kept.push(found);
+  kept.push(history);
   if (kept.length > KEPT) kept.shift();
-  return found;
+  return history;
 }

@@ -141,12 +141,12 @@ const FINDINGS: Readonly<Record<string, string>> = {
 
 /** The first findings of the logs, by name, each with the number of its logs, as options of a choice. */
 export function firstFindings(logs: Iterable<FleetLog>): readonly { readonly value: string; readonly label: string }[] {
-  const found = new Map<string, number>();
+  const counts = new Map<string, number>();
   for (const { facts } of logs) {
     const check = facts?.findings[0]?.check;
-    if (check !== undefined) found.set(check, (found.get(check) ?? 0) + 1);
+    if (check !== undefined) counts.set(check, (counts.get(check) ?? 0) + 1);
   }
-  const options = [...found].map(([check, count]) => ({
+  const options = [...counts].map(([check, count]) => ({
     value: check,
     label: `${FINDINGS[check] ?? check} (${count})`,
   }));
@@ -203,13 +203,13 @@ const isWanted = ({ facts }: FleetLog, { drift, finding }: Wanted): boolean =>
 export function chosen(logs: Iterable<FleetLog>, wanted: Wanted, order: Order): FleetLog[] {
   const words = wanted.words.toLowerCase().split(/\s+/).filter(Boolean);
   const rank = (log: FleetLog): number => ["done", "failed", "running", "queued", "none"].indexOf(log.state);
-  const found = [...logs].filter((log) => {
+  const matching = [...logs].filter((log) => {
     const text = [log.name, log.error?.message, ...(log.facts?.findings ?? []).map((finding) => finding.sentence)]
       .join(" ")
       .toLowerCase();
     return IS_SHOWN[wanted.shown](log) && isWanted(log, wanted) && words.every((word) => text.includes(word));
   });
-  return found.sort((a, b) => {
+  return matching.sort((a, b) => {
     if (order !== "name") {
       const first = rank(a) - rank(b) || (a.facts && b.facts ? KEYS[order](b.facts) - KEYS[order](a.facts) : 0);
       if (first !== 0) return first;

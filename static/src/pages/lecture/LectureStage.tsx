@@ -16,11 +16,11 @@ const LINE = 0.5;
 function lookForScene(covered: number): void {
   const line = covered + LINE * (innerHeight - covered);
   const places = [...document.querySelectorAll<HTMLElement>("[data-scene]")];
-  const found = places
+  const scene = places
     .filter((place) => place.getBoundingClientRect().top < line)
     .map((place) => place.dataset.scene)
     .findLast(isScene);
-  const next = found ?? "start";
+  const next = scene ?? "start";
   if (next !== sceneInSight.peek()) sceneInSight.value = next;
 }
 

@@ -241,20 +241,20 @@ const MEASURES: readonly (readonly [Measure, string])[] = [
 /** What the named cause is repaired with: the parameters as controls, or the choice of poses. */
 function RepairedWith({ store, attempt }: { readonly store: Store; readonly attempt: Attempt }) {
   const box = useRef<HTMLDivElement>(null);
-  const found = attempt.answer ? null : attempt.repaired_with;
-  const isKnown = found !== null && store.hello.value !== null;
+  const repairs = attempt.answer ? null : attempt.repaired_with;
+  const isKnown = repairs !== null && store.hello.value !== null;
   // On a phone it is below the window when the cause is named.
   useEffect(() => box.current?.scrollIntoView({ block: "nearest" }), [isKnown]);
   const table = store.hello.value?.parameters.table;
-  if (!found || !table) return null;
+  if (!repairs || !table) return null;
   return (
     <div class="stack" ref={box}>
       <ParameterRows
-        rows={table.filter(({ name }) => found.parameters.includes(name))}
+        rows={table.filter(({ name }) => repairs.parameters.includes(name))}
         values={store.mapping.values}
         set={(name, value) => store.setParameter(name, value)}
       />
-      {found.poses && <TrajectoryChoice store={store} />}
+      {repairs.poses && <TrajectoryChoice store={store} />}
     </div>
   );
 }

@@ -26,8 +26,8 @@ export function ticks(low: number, high: number, target: number): readonly numbe
   if (!(rough > 0) || !Number.isFinite(rough)) return [];
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = power * ([1, 2, 5, 10].find((m) => m * power >= rough * 0.999) ?? 10);
-  const found: number[] = [];
+  const ticks: number[] = [];
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + step * 1e-9; i++)
-    found.push(Number((i * step).toFixed(9)));
-  return found;
+    ticks.push(Number((i * step).toFixed(9)));
+  return ticks;
 }

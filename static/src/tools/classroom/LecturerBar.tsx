@@ -260,33 +260,33 @@ const isLoopback = (address: string): boolean => /^(localhost|127\.[\d.]+|\[::1\
 export function CodeDialog({ isOpen }: { readonly isOpen: Signal<boolean> }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const open = isOpen.value;
-  const found = openClass.value;
+  const opened = openClass.value;
   useEffect(() => {
-    if (open && found && !dialog.current?.open) dialog.current?.showModal();
+    if (open && opened && !dialog.current?.open) dialog.current?.showModal();
     else if (!open) dialog.current?.close();
-  }, [open, found]);
+  }, [open, opened]);
   const close = (): void => {
     isOpen.value = false;
   };
   return (
     <dialog class="class-code-dialog" ref={dialog} aria-labelledby="class-code-title" onClose={close}>
-      {found && (
+      {opened && (
         <>
           <h2 id="class-code-title">Follow on your own device</h2>
-          <img src={found.qr} alt={`QR code of ${found.address}`} />
+          <img src={opened.qr} alt={`QR code of ${opened.address}`} />
           <div>
             <p>
-              Scan the code, or open <b>{new URL("/join", found.address).href.replace(/^https?:\/\//, "")}</b> and type
+              Scan the code, or open <b>{new URL("/join", opened.address).href.replace(/^https?:\/\//, "")}</b> and type
             </p>
-            <p class="class-code" role="img" aria-label={`Code ${[...found.code].join(" ")}`}>
-              {found.code.slice(0, 3)} {found.code.slice(3)}
+            <p class="class-code" role="img" aria-label={`Code ${[...opened.code].join(" ")}`}>
+              {opened.code.slice(0, 3)} {opened.code.slice(3)}
             </p>
             <p class="quiet">No account and no name. You see what the lecturer shows and can answer questions.</p>
             <Button kind="primary" onClick={close}>
               Close
             </Button>
           </div>
-          {isLoopback(found.address) && (
+          {isLoopback(opened.address) && (
             <p class="class-unreachable" role="alert">
               Only this computer reaches this address. For other devices, start the service with{" "}
               <code>gridbloom serve --class</code>.

@@ -228,7 +228,7 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
     const zoom = zoomOf(at);
     return [(event.clientX - rect.left) / zoom, (event.clientY - rect.top) / zoom];
   };
-  const point = (found: Cell | undefined): Point | null => (geometry && found ? centreOf(geometry, found) : null);
+  const point = (cell: Cell | undefined): Point | null => (geometry && cell ? centreOf(geometry, cell) : null);
 
   return (
     <div class="sheets" ref={box}>

@@ -28,11 +28,11 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
   };
   const open = (file: File): Promise<void> =>
     doing(async () => {
-      const { values: found, notes, ...rest } = await readAmclYaml(file);
+      const { values: loaded, notes, ...rest } = await readAmclYaml(file);
       opened.current = rest;
-      onOpen(found);
+      onOpen(loaded);
       const kept = Object.keys(rest.others);
-      const count = Object.keys(found).length;
+      const count = Object.keys(loaded).length;
       const set = `${count} ${count === 1 ? "parameter differs" : "parameters differ"} from the first values.`;
       const without = kept.length > 0 ? [`Without effect here, and kept where you save: ${kept.join(", ")}.`] : [];
       return [set, ...without, ...notes].join(" ");

@@ -54,7 +54,7 @@ function bordersNear(map: MapPicture, point: Point, reach: number, [du, dv]: rea
   const centre = cellAt(geometry, point[0], point[1]);
   const [u, v] = toLattice(geometry, point[0], point[1]);
   const around = Math.ceil(reach);
-  const found: Border[] = [];
+  const borders: Border[] = [];
   for (let row = centre.row - around; row <= centre.row + around; row++) {
     for (let col = centre.col - around; col <= centre.col + around; col++) {
       if (!isOccupied(map, row, col)) continue;
@@ -66,11 +66,11 @@ function bordersNear(map: MapPicture, point: Point, reach: number, [du, dv]: rea
       ] as const) {
         if (c * du + r * dv <= 0 || isOccupied(map, row + r, col + c)) continue;
         const border = { u: col + 0.5 + c / 2, v: row + 0.5 + r / 2, isVertical: c !== 0 };
-        if (Math.hypot(border.u - u, border.v - v) <= reach) found.push(border);
+        if (Math.hypot(border.u - u, border.v - v) <= reach) borders.push(border);
       }
     }
   }
-  return found;
+  return borders;
 }
 
 /** The place on a border that is nearest to a point, and how far it is. */

@@ -41,18 +41,18 @@ export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: nu
   }
   const half = halfWindow(z, parameters);
   const end = cellAt(geometry, ...along(from, beam.bearing, z));
-  const found: Crossed[] = [];
+  const cells: Crossed[] = [];
   let isEndFound = false;
   for (const cell of cellsAlong(geometry, from, beam.bearing, z + half, { traversal })) {
     const [x, y] = centreOf(geometry, cell);
     const s = Math.hypot(x - from[0], y - from[1]);
     const isEnd = cell.row === end.row && cell.col === end.col;
-    if (isEnd) found.push({ cell, evidence: "hit" });
-    else if (half === 0 || s < z - half) found.push({ cell, evidence: "miss" });
-    else if (s <= z + half) found.push({ cell, evidence: increment(s, z, parameters) > 0 ? "hit" : "miss" });
+    if (isEnd) cells.push({ cell, evidence: "hit" });
+    else if (half === 0 || s < z - half) cells.push({ cell, evidence: "miss" });
+    else if (s <= z + half) cells.push({ cell, evidence: increment(s, z, parameters) > 0 ? "hit" : "miss" });
     isEndFound ||= isEnd;
   }
-  return isEndFound ? found : [...found, { cell: end, evidence: "hit" }];
+  return isEndFound ? cells : [...cells, { cell: end, evidence: "hit" }];
 }
 
 /** Outline cells in the colours of their evidence. */

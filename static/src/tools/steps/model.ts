@@ -48,16 +48,16 @@ export function stepsOfScan(
   const scan = { ...frame, ranges, range_min: 0, range_max: frame.range_max };
   const steps: Step[] = [];
   ranges.forEach((range, beam) => {
-    const found = evidenceOfBeam(geometry, scan, beam, pose, config);
-    if (found.length === 0) return;
+    const updates = evidenceOfBeam(geometry, scan, beam, pose, config);
+    if (updates.length === 0) return;
     const reach = range <= greatest ? range + config.window / 2 : greatest;
     const bearing = frame.angle_min + beam * frame.angle_increment;
     const cells = cellsAlong(geometry, pose, bearing, reach, config);
     const line = bresenhamSteps(cells[0] as Cell, cells.at(-1) as Cell, { direction: true, steep: true });
     const terms = new Map(line.steps.map(({ cell, nabla }) => [key(cell), nabla]));
-    found.forEach(({ cell, evidence }, place) => {
+    updates.forEach(({ cell, evidence }, place) => {
       const isHit = evidence === config.log_odds_hit && evidence > 0;
-      steps.push({ beam, place, of: found.length, cell, evidence, isHit, nabla: terms.get(key(cell)) ?? null });
+      steps.push({ beam, place, of: updates.length, cell, evidence, isHit, nabla: terms.get(key(cell)) ?? null });
     });
   });
   if (!onlyHits) return steps;

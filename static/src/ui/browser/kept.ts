@@ -21,8 +21,8 @@ export function kept<T>(key: string, first: T, isValid: (value: unknown) => valu
 
 function read<T>(key: string, first: T, isValid: (value: unknown) => value is T): T {
   try {
-    const found: unknown = JSON.parse(localStorage.getItem(key) ?? "null");
-    return isValid(found) ? found : first;
+    const stored: unknown = JSON.parse(localStorage.getItem(key) ?? "null");
+    return isValid(stored) ? stored : first;
   } catch {
     return first;
   }

@@ -19,11 +19,11 @@ export function droppedFiles(transfer: DataTransfer): Promise<readonly Folder[]>
 
 /** All files of these entries and of the folders among them, up to {@link MOST}; what cannot be read is left out. */
 export async function filesIn(entries: readonly FileSystemEntry[]): Promise<readonly Folder[]> {
-  let found = 0;
+  let count = 0;
   const loose: File[] = [];
   const folders: Folder[] = [{ name: "", files: loose }];
   const waiting = entries.map((entry) => ({ entry, beside: loose })).reverse();
-  for (let next = waiting.pop(); next && found < MOST; next = waiting.pop()) {
+  for (let next = waiting.pop(); next && count < MOST; next = waiting.pop()) {
     const { entry, beside } = next;
     try {
       if (entry.isDirectory) {
@@ -33,7 +33,7 @@ export async function filesIn(entries: readonly FileSystemEntry[]): Promise<read
         waiting.push(...inside.map((child) => ({ entry: child, beside: files })).reverse());
       } else {
         beside.push(await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail)));
-        found++;
+        count++;
       }
     } catch {
       // deleted in the meantime, or not readable
@@ -45,10 +45,10 @@ export async function filesIn(entries: readonly FileSystemEntry[]): Promise<read
 /** The entries of a folder, sorted by name. The browser returns them in parts, the last of which is empty. */
 async function children(folder: FileSystemDirectoryEntry): Promise<FileSystemEntry[]> {
   const reader = folder.createReader();
-  const found: FileSystemEntry[] = [];
+  const entries: FileSystemEntry[] = [];
   for (;;) {
     const part = await new Promise<FileSystemEntry[]>((done, fail) => reader.readEntries(done, fail));
-    if (part.length === 0) return found.sort((a, b) => a.name.localeCompare(b.name, "en", { numeric: true }));
-    found.push(...part);
+    if (part.length === 0) return entries.sort((a, b) => a.name.localeCompare(b.name, "en", { numeric: true }));
+    entries.push(...part);
   }
 }

@@ -40,8 +40,8 @@ export function LayoutChoice({ layout, kinds, presets }: LayoutChoiceProps) {
           ...names.map(([name, preset]) => ({ value: written(preset), label: name })),
         ]}
         onChange={(value) => {
-          const found = names.find(([, preset]) => written(preset) === value);
-          if (found) layout.value = found[1];
+          const entry = names.find(([, preset]) => written(preset) === value);
+          if (entry) layout.value = entry[1];
         }}
       />
       {ARRANGEMENTS.map((arrangement) => {

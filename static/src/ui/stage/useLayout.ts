@@ -61,8 +61,8 @@ function first({ kinds, usual, linked, last }: LayoutOptions): Layout {
   const addressed = new URLSearchParams(location.search).get(LAYOUT);
   const texts = [addressed, linked, last?.peek()];
   for (const text of texts) {
-    const found = text ? read(text, kinds) : null;
-    if (found) return found;
+    const parsed = text ? read(text, kinds) : null;
+    if (parsed) return parsed;
   }
   return usual;
 }

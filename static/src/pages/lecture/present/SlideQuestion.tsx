@@ -28,10 +28,10 @@ function ClassQuestion() {
  * options are chosen by the followers, and each shows how often it was.
  */
 export function SlideQuestion({ id }: { id: string }) {
-  const found = QUESTIONS[id as LessonId];
-  const isShown = found !== undefined && (stage.value === "ask" || stage.value === "predict");
-  const hasOptions = isShown && stage.value === "predict" && found.options !== undefined;
-  const text = found?.question ?? "";
+  const question = QUESTIONS[id as LessonId];
+  const isShown = question !== undefined && (stage.value === "ask" || stage.value === "predict");
+  const hasOptions = isShown && stage.value === "predict" && question.options !== undefined;
+  const text = question?.question ?? "";
   // before the options are painted, so that the class's line never shows them as well
   useLayoutEffect(() => {
     if (hasOptions && presenting.value) return showsAnswers(text);
@@ -40,8 +40,8 @@ export function SlideQuestion({ id }: { id: string }) {
   if (!isShown) return null;
   return (
     <div class="slide-question">
-      <p class="slide-question-text">{found.question}</p>
-      {hasOptions && <SlideOptions id={id} text={text} options={found.options ?? []} />}
+      <p class="slide-question-text">{question.question}</p>
+      {hasOptions && <SlideOptions id={id} text={text} options={question.options ?? []} />}
       <ClassQuestion />
     </div>
   );

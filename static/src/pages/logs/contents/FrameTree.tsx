@@ -188,12 +188,12 @@ function Unjoined({ session, tree }: { readonly session: string; readonly tree: 
   const topics = useFieldNames(session);
   if (topics.kind === "failed") return <p role="alert">{topics.why}</p>;
   if (topics.kind === "reading") return <p class="quiet">Looking up which frames messages name …</p>;
-  const found = unjoinedFrames(topics.value, tree);
-  if (found.length === 0) return null;
+  const unjoined = unjoinedFrames(topics.value, tree);
+  if (unjoined.length === 0) return null;
   return (
     <section aria-label="Frames without a transform">
       <ul class="frames-faults">
-        {found.map(({ name, topics, lacks }) => (
+        {unjoined.map(({ name, topics, lacks }) => (
           <li key={name}>
             <strong>{name}</strong>, named on {topics.slice(0, MOST_TOPICS).join(", ")}
             {topics.length > MOST_TOPICS && ` and ${topics.length - MOST_TOPICS} more`}: {lacks}.

@@ -13,13 +13,13 @@ export function isInGap(gaps: readonly Span[], at: number): boolean {
 
 /** Spans in ascending order, those that overlap as one. */
 export function united(spans: readonly Span[]): [number, number][] {
-  const found: [number, number][] = [];
+  const gaps: [number, number][] = [];
   for (const [from, to] of [...spans].sort((a, b) => a[0] - b[0])) {
-    const last = found[found.length - 1];
+    const last = gaps[gaps.length - 1];
     if (last && from <= last[1]) last[1] = Math.max(last[1], to);
-    else found.push([from, to]);
+    else gaps.push([from, to]);
   }
-  return found;
+  return gaps;
 }
 
 /** The rows with a value that no line leads to: one alone between two gaps, or between a gap and the end. */

@@ -15,9 +15,9 @@ export function colourOf(element: HTMLElement, role: string): string {
   const probe = document.createElement("span");
   probe.style.color = `var(${role})`;
   element.append(probe);
-  const found = getComputedStyle(probe).color;
+  const colour = getComputedStyle(probe).color;
   probe.remove();
-  return found;
+  return colour;
 }
 
 export function axisStyle(element: HTMLElement): UPlot.Axis {

@@ -44,13 +44,13 @@ function contentsOf(session: string, state: Signal<ContentsState>): ContentsOfSe
   let timer: ReturnType<typeof setTimeout> | undefined;
   const ask = async (ending: AbortSignal, since: number): Promise<void> => {
     try {
-      const found = await send("GET /api/sessions/{session_id}/contents", { session_id: session }, { ending });
+      const contents = await send("GET /api/sessions/{session_id}/contents", { session_id: session }, { ending });
       if (ending.aborted) return;
-      if (found.state === "reading") {
-        state.value = { kind: "reading", progress: found.progress, since };
+      if (contents.state === "reading") {
+        state.value = { kind: "reading", progress: contents.progress, since };
         timer = setTimeout(() => void ask(ending, since), POLL_MS);
       } else {
-        state.value = { kind: "ready", contents: found };
+        state.value = { kind: "ready", contents };
       }
     } catch (error) {
       if (!ending.aborted) state.value = { kind: "failed", why: (error as Error).message };

@@ -42,12 +42,12 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
   const across = chosen.length > 1 ? fields.across.value : null;
   const series = useFieldSeries(session, chosen, zoom.value, across !== null);
   const plotted = useMemo(() => {
-    const found = chosen.flatMap((item): Found[] => {
+    const ready = chosen.flatMap((item): Found[] => {
       const now = series.get(keyOf(item));
       return now?.kind === "ready" ? [{ chosen: item, series: now.value }] : [];
     });
-    if (found.length === 0) return null;
-    return across === null ? joined(found) : paired(found, across);
+    if (ready.length === 0) return null;
+    return across === null ? joined(ready) : paired(ready, across);
   }, [chosen, series, across]);
   return (
     <section class="field-plot" aria-label="Plot of any field">
@@ -105,7 +105,7 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
   const names = useFieldNames(session);
   const text = useSignal("");
   const topics = names.kind === "ready" ? names.value : [];
-  const found = useMemo(
+  const matches = useMemo(
     () => (text.value.trim() === "" ? [] : matching(topics, text.value, MOST)),
     [topics, text.value],
   );
@@ -139,21 +139,21 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
         onKeyDown={(event) => {
           if (event.key !== "Enter") return;
           event.preventDefault();
-          add(found.find((field) => !fields.chosen.peek().some((other) => keyOf(other) === keyOf(field))));
+          add(matches.find((field) => !fields.chosen.peek().some((other) => keyOf(other) === keyOf(field))));
         }}
       />
       {names.kind === "reading" && <ProgressBar fraction={names.progress > 0 ? names.progress : null} />}
       {text.value.trim() !== "" && names.kind === "ready" && (
         <ul class="field-matches" aria-label="Fields that match">
-          {found.map((field) => (
+          {matches.map((field) => (
             <li key={keyOf(field)}>
               <button type="button" aria-pressed={isChosen(field)} onClick={() => add(field)}>
                 <span class="quiet">{field.topic}</span> {field.field}
               </button>
             </li>
           ))}
-          {found.length === 0 && <li class="quiet">No field matches.</li>}
-          {found.length === MOST && <li class="quiet">More fields match: type more of the name.</li>}
+          {matches.length === 0 && <li class="quiet">No field matches.</li>}
+          {matches.length === MOST && <li class="quiet">More fields match: type more of the name.</li>}
         </ul>
       )}
       {text.value.trim() === "" && (

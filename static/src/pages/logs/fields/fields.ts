@@ -91,10 +91,10 @@ const column = ({ chosen, series }: Found, values: (number | null)[]): PlottedCo
 });
 
 /** Several fields over the times of all; null where a field has no value at a time. */
-export function joined(found: readonly Found[]): Plotted {
-  const times = [...new Set(found.flatMap(({ series }) => series.times))].sort((a, b) => a - b);
+export function joined(inputs: readonly Found[]): Plotted {
+  const times = [...new Set(inputs.flatMap(({ series }) => series.times))].sort((a, b) => a - b);
   const place = new Map(times.map((time, n) => [time, n]));
-  const columns = found.map((line) => {
+  const columns = inputs.map((line) => {
     const values: (number | null)[] = new Array(times.length).fill(null);
     line.series.times.forEach((time, n) => {
       values[place.get(time) ?? 0] ??= line.series.columns[0]?.values[n] ?? null;
@@ -105,11 +105,11 @@ export function joined(found: readonly Found[]): Plotted {
 }
 
 /** Several fields at the times of the one with a key: of the others what lies between their samples on a line. */
-export function paired(found: readonly Found[], key: string): Plotted | null {
-  const across = found.find(({ chosen }) => keyOf(chosen) === key);
+export function paired(inputs: readonly Found[], key: string): Plotted | null {
+  const across = inputs.find(({ chosen }) => keyOf(chosen) === key);
   if (!across) return null;
   const { times } = across.series;
-  const columns = found.map((line) => {
+  const columns = inputs.map((line) => {
     const own = line === across;
     return column(
       line,

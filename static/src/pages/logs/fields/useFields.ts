@@ -81,11 +81,11 @@ export function useFieldSeries(
   span: Span | null,
   evenly: boolean,
 ): FoundSeries {
-  const found = useSignal<FoundSeries>(new Map());
+  const loaded = useSignal<FoundSeries>(new Map());
   useEffect(() => {
     const abort = new AbortController();
     // What is shown stays until what is asked for is there.
-    found.value = new Map([...found.peek()].filter(([key]) => chosen.some((item) => keyOf(item) === key)));
+    loaded.value = new Map([...loaded.peek()].filter(([key]) => chosen.some((item) => keyOf(item) === key)));
     for (const item of chosen) {
       const query = {
         topic: item.topic,
@@ -100,12 +100,12 @@ export function useFieldSeries(
         () => ask(what, { session_id: session }, { query, ending: abort.signal }),
         abort.signal,
         (now) => {
-          if (now.kind === "reading" && found.peek().get(keyOf(item))?.kind === "ready") return;
-          found.value = new Map(found.peek()).set(keyOf(item), now);
+          if (now.kind === "reading" && loaded.peek().get(keyOf(item))?.kind === "ready") return;
+          loaded.value = new Map(loaded.peek()).set(keyOf(item), now);
         },
       );
     }
     return () => abort.abort();
   }, [session, chosen, span, evenly]);
-  return found.value;
+  return loaded.value;
 }

@@ -22,13 +22,13 @@ const waiting = (ahead: number): string =>
 export function JobProgress<S extends JobStatus>({ of, label, stage, figures }: JobProgressProps<S>) {
   const job = of.job.value;
   if (!job || !of.isUnderWay.value) return null;
-  const found = figures?.(job);
+  const facts = figures?.(job);
   return (
     <div class="job-progress">
       <ProgressBar fraction={job.fraction} label={label} />
       <p role="status">{job.state === "queued" ? waiting(job.ahead) : stage(job)} …</p>
       <p class="quiet">
-        {Math.floor(100 * job.fraction)} %{found && <> · {found}</>}
+        {Math.floor(100 * job.fraction)} %{facts && <> · {facts}</>}
         {job.elapsed_s !== null && ` · ${Math.floor(job.elapsed_s)} s`}
       </p>
       <div class="actions">

@@ -70,8 +70,8 @@ function splitRecording(files: readonly File[]): readonly File[] | null {
 /** Whether files are numbered from 0 and otherwise of one name, as ROS names the parts of a recording. */
 function arePartsByName(parts: readonly File[]): boolean {
   const names = parts.map(({ name }) => /^(.+)_(\d+)$/.exec(name.replace(RECORDING, "")));
-  const numbers = new Set(names.map((found) => Number(found?.[2] ?? -1)));
-  const stems = new Set(names.map((found) => found?.[1]?.replace(BEGUN, "")));
+  const numbers = new Set(names.map((match) => Number(match?.[2] ?? -1)));
+  const stems = new Set(names.map((match) => match?.[1]?.replace(BEGUN, "")));
   return stems.size === 1 && names[0] !== null && numbers.size === parts.length && Math.min(...numbers) === 0;
 }
 

@@ -30,7 +30,7 @@ function Loaded({ store, lines: state }: LinesProps) {
   const all = state.lines.value;
   const [least, node, text] = [state.least.value, state.node.value, state.text.value];
   const isThere = useRef(false); // whether the log has come to the line that was gone to
-  const found = useMemo(() => matching(all ?? [], least, node, text), [all, least, node, text]);
+  const matches = useMemo(() => matching(all ?? [], least, node, text), [all, least, node, text]);
   useSignalEffect(() => {
     // A line that was gone to is the present one until the log is at another moment.
     const [frame, chosen] = [store.frame.value, state.chosen.value];
@@ -45,10 +45,10 @@ function Loaded({ store, lines: state }: LinesProps) {
   }
   const now = store.frame.value?.stamp ?? 0;
   const chosen = state.chosen.value;
-  const gone = chosen ? found.indexOf(chosen.line) : -1;
-  const present = gone >= 0 ? gone : newestAt(found, now);
+  const gone = chosen ? matches.indexOf(chosen.line) : -1;
+  const present = gone >= 0 ? gone : newestAt(matches, now);
   const go = (place: number): void => {
-    const [line, way] = [found[place], store.trajectory.peek()];
+    const [line, way] = [matches[place], store.trajectory.peek()];
     if (!line || !way) return;
     const scans = scansAt(way, line.seconds, store.frame.peek()?.count ?? 0);
     isThere.current = false;
@@ -59,12 +59,12 @@ function Loaded({ store, lines: state }: LinesProps) {
     <div class="lines">
       <Search state={state} all={all} onStep={(by) => go(present + by)}>
         <output class="quiet number">
-          {found.length === all.length
+          {matches.length === all.length
             ? plural(all.length, "line")
-            : `${found.length.toLocaleString("en")} of ${all.length.toLocaleString("en")}`}
+            : `${matches.length.toLocaleString("en")} of ${all.length.toLocaleString("en")}`}
         </output>
       </Search>
-      <List store={store} found={found} present={present} onGo={go} />
+      <List store={store} found={matches} present={present} onGo={go} />
       {state.leftOut.value > 0 && (
         <p class="quiet">
           {state.leftOut.value.toLocaleString("en")} more lines are left out: of each kind, from warnings on and below

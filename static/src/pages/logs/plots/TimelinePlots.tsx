@@ -63,18 +63,18 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   const go = (place: number): void => store.goTo(scanAt(place));
 
   const hint = useId();
-  const found = series.value;
+  const values = series.value;
   const columns = useMemo(
-    () => (found?.columns ?? []).map((column) => ({ column, range: shownRange(column.values) })),
-    [found],
+    () => (values?.columns ?? []).map((column) => ({ column, range: shownRange(column.values) })),
+    [values],
   );
   if (failure.value) return <p role="alert">{failure.value}</p>;
-  if (!found) return <p class="quiet">…</p>;
+  if (!values) return <p class="quiet">…</p>;
   const visible = columns.filter(({ column }) => shown.value.includes(column.label));
   const interval = span ?? whole.value;
   const at = pointed.value ?? now.value;
-  const isBetween = at !== null && isInGap(found.gaps, at);
-  const row = at === null || isBetween ? -1 : nearest(found.times, at);
+  const isBetween = at !== null && isInGap(values.gaps, at);
+  const row = at === null || isBetween ? -1 : nearest(values.times, at);
   const toggle = (label: string, isOn: boolean): void => {
     shown.value = isOn ? [...shown.peek(), label] : shown.peek().filter((other) => other !== label);
   };
@@ -148,7 +148,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
           <StripRow
             key={column.label}
             value={column.values[row]}
-            series={found}
+            series={values}
             column={column}
             shown={range}
             span={interval}

@@ -69,8 +69,8 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
     isBusy.value = true;
     failure.value = null;
     scorePoses(session, chosen)
-      .then((found) => {
-        if (isCurrent) score.value = found;
+      .then((scores) => {
+        if (isCurrent) score.value = scores;
       })
       .catch((error: unknown) => {
         if (!isCurrent) return;

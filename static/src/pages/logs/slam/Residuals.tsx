@@ -46,7 +46,7 @@ function OfPoses({ store, session, zoom }: ResidualsProps) {
     [fields, isKnown],
   );
   const series = useFieldSeries(session, chosen, zoom.value, false);
-  const found = useMemo(
+  const ready = useMemo(
     () =>
       chosen.flatMap((plot): Found[] => {
         const now = series.get(keyOf(plot));
@@ -54,20 +54,20 @@ function OfPoses({ store, session, zoom }: ResidualsProps) {
       }),
     [chosen, series],
   );
-  const units = [...new Set(found.flatMap(({ series: { columns } }) => columns.map(({ unit }) => unit)))];
+  const units = [...new Set(ready.flatMap(({ series: { columns } }) => columns.map(({ unit }) => unit)))];
   const plots = useMemo(
-    () => units.map((unit) => joined(found.filter(({ series: { columns } }) => columns[0]?.unit === unit))),
-    [found],
+    () => units.map((unit) => joined(ready.filter(({ series: { columns } }) => columns[0]?.unit === unit))),
+    [ready],
   );
   const failed = [...series.values(), names].find((answer) => answer.kind === "failed");
   return (
     <>
       {failed?.kind === "failed" && <p role="alert">{failed.why}</p>}
-      {found.length === 0 && !failed && <ProgressBar fraction={null} label="Reading the residuals" />}
+      {ready.length === 0 && !failed && <ProgressBar fraction={null} label="Reading the residuals" />}
       {plots.map((data, n) => (
         <Plot key={units[n]} store={store} series={data} plot="" zoom={zoom} />
       ))}
-      {found.length > 0 && (
+      {ready.length > 0 && (
         <p class="quiet">
           {fields
             ? "By how much the corrected poses miss the motion that was measured to each scan, and the loops that end there."
@@ -93,8 +93,8 @@ function OfPaths({ store, session }: ResidualsProps) {
       (ending) =>
         ask(what, { session_id: session }, { query: { reference, estimate, align: "rigid", delta: 1 }, ending }),
       failure,
-      (found) => {
-        errors.value = found;
+      (answer) => {
+        errors.value = answer;
       },
     );
   }, [session, reference, estimate, isPair]);

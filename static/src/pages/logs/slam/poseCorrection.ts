@@ -73,19 +73,19 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
   /** Select a loop: both of its scans are shown. */
   readonly select = (edge: number): Promise<void> =>
     this.request("Asking", async () => {
-      const found = await api.edgeOf(this.session, edge);
+      const detail = await api.edgeOf(this.session, edge);
       this.#deselect();
-      this.edge.value = found;
-      this.store.scanPair.value = found;
+      this.edge.value = detail;
+      this.store.scanPair.value = detail;
       void this.#loadLandscape(edge);
     });
 
   /** Select the pose of a scan, from 0: its edges are listed. Whether the poses have a graph. */
   async selectPose(scan: number): Promise<boolean> {
-    const found = await api.constraintsOf(this.session, scan);
+    const detail = await api.constraintsOf(this.session, scan);
     this.#deselect();
-    this.constraints.value = found;
-    return found !== null;
+    this.constraints.value = detail;
+    return detail !== null;
   }
 
   async #loadLandscape(edge: number): Promise<void> {
@@ -106,18 +106,18 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
 
   readonly selectCandidate = (candidate: number): Promise<void> =>
     this.request("Asking", async () => {
-      const found = await api.candidateOf(this.session, candidate);
+      const detail = await api.candidateOf(this.session, candidate);
       this.#deselect();
-      this.candidate.value = found;
-      this.store.scanPair.value = found;
+      this.candidate.value = detail;
+      this.store.scanPair.value = detail;
     });
 
   /** Ask why no loop closed at a place. */
   readonly ask = (at: Point): Promise<void> =>
     this.request("Asking", async () => {
-      const found = await api.placeOf(this.session, ...at);
+      const detail = await api.placeOf(this.session, ...at);
       this.#deselect();
-      this.place.value = { at, found };
+      this.place.value = { at, found: detail };
     });
 
   #deselect(): void {
@@ -146,10 +146,10 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
     if (edge === null) return;
     this.#restTimer = window.setTimeout(async () => {
       try {
-        const found = await api.edgeOf(this.session, edge);
+        const detail = await api.edgeOf(this.session, edge);
         if (this.#pointed !== edge) return;
-        this.hovered.value = found;
-        this.store.scanPair.value = found;
+        this.hovered.value = detail;
+        this.store.scanPair.value = detail;
       } catch {
         // The graph was changed meanwhile.
       }

@@ -131,8 +131,8 @@ function Errors({
     return showAnswer(
       (ending) => ask(what, { session_id: session }, { query, ending }),
       failure,
-      (found) => {
-        errors.value = found;
+      (answer) => {
+        errors.value = answer;
       },
     );
   }, [session, reference.value, estimate.value, align.value, delta.value]);

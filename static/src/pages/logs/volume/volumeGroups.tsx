@@ -35,8 +35,8 @@ function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
   const chosen = useSignal("");
   useEffect(() => {
     void ask("GET /api/logs", {}, { query: { limit: 200 } })
-      .then((found) => {
-        others.value = found.logs.filter((other) => other.clouds > 0 && other.state === "ready" && other.id !== log);
+      .then((answer) => {
+        others.value = answer.logs.filter((other) => other.clouds > 0 && other.state === "ready" && other.id !== log);
       })
       .catch(() => undefined);
   }, [log]);

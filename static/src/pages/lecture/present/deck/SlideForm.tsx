@@ -34,7 +34,7 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
   const logs = useSignal<readonly LogAnswer[]>([]);
   const addresses = useId();
   useEffect(() => {
-    if (kind.value === "log" && logs.peek().length === 0) void namedLogs().then((found) => (logs.value = found));
+    if (kind.value === "log" && logs.peek().length === 0) void namedLogs().then((named) => (logs.value = named));
   }, [kind.value, logs]);
   const save = (event: SubmitEvent): void => {
     event.preventDefault();
