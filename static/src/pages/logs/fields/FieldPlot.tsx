@@ -23,6 +23,7 @@ import {
   paired,
   SPEED,
   WINDOWS,
+  withField,
 } from "./fields";
 import { type FieldsState, type FoundSeries, useFieldNames, useFieldSeries } from "./useFields";
 import "./fields.css";
@@ -110,8 +111,7 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
     [topics, text.value],
   );
   const add = (field: Pick<Chosen, "topic" | "field"> | undefined): void => {
-    if (!field || fields.chosen.peek().some((other) => keyOf(other) === keyOf(field))) return;
-    fields.chosen.value = [...fields.chosen.peek(), { ...field, made: "value", window: 1 }];
+    if (field) fields.chosen.value = withField(fields.chosen.peek(), field);
   };
   useEffect(() => {
     if (names.kind !== "ready" || !fields.isNew.current) return;
