@@ -55,17 +55,6 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
       <Search session={session} fields={fields} />
       {chosen.length > 0 && <Legend fields={fields} series={series} />}
       {plotted && (
-        <Plot
-          store={store}
-          series={plotted}
-          plot=""
-          zoom={zoom}
-          {...(across === null
-            ? {}
-            : { across: plotted.columns.findIndex((_, n) => isAcross(chosen, series, n, across)) })}
-        />
-      )}
-      {plotted && (
         <div class="actions">
           <label>
             Horizontal{" "}
@@ -90,6 +79,17 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
             CSV of what is shown
           </Button>
         </div>
+      )}
+      {plotted && (
+        <Plot
+          store={store}
+          series={plotted}
+          plot=""
+          zoom={zoom}
+          {...(across === null
+            ? {}
+            : { across: plotted.columns.findIndex((_, n) => isAcross(chosen, series, n, across)) })}
+        />
       )}
     </section>
   );
