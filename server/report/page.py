@@ -28,9 +28,9 @@ figure img { width: auto; max-width: 100%; max-height: 75mm; }
 table { border-collapse: collapse; width: 100%; font-size: 9.5pt; } td, th { padding: .5mm 2mm; text-align: left; border-bottom: 1px solid #e5e0cf; vertical-align: top; }
 tr { break-inside: avoid; } .parameters { columns: 2; column-gap: 8mm; font-size: 9.5pt; break-inside: avoid; } .parameters div { display: flex; justify-content: space-between; gap: 3mm; break-inside: avoid; }
 .parameters .changed { font-weight: 600; }
-button { font: inherit; padding: 1.5mm 4mm; } header { display: flex; justify-content: space-between; align-items: start; gap: 4mm; }
+header { display: flex; justify-content: space-between; align-items: start; gap: 4mm; }
 @media screen and (max-width: 90mm) { .parameters { columns: 1; } .maps { grid-template-columns: 1fr; } }
-@media print { body { padding: 0; max-width: none; } button { display: none; } * { print-color-adjust: exact; } }
+@media print { body { padding: 0; max-width: none; } * { print-color-adjust: exact; } }
 """  # noqa: E501 - one line for each group of rules
 #: Kinds of events in words.
 KINDS = {"pushed": "Pushed", "slipped": "Slipped", "lifted": "Lifted", "clock": "Clock set", "gap": "Nothing recorded"}
@@ -80,7 +80,8 @@ def _term(name: str, value: str) -> str:
 
 def _parameter(report: Report, name: str, value: str) -> str:
     changed = " class=changed" if name in report.changed else ""
-    return f"<div{changed}><span>{escape(name)}</span><span class=number>{escape(value)}</span></div>"
+    shown = f"−{value[1:]}" if value.startswith("-") else value
+    return f"<div{changed}><span>{escape(name)}</span><span class=number>{escape(shown)}</span></div>"
 
 
 def _events(report: Report) -> str:
@@ -88,7 +89,8 @@ def _events(report: Report) -> str:
         return "<p>None: no push, slip, lift, step of the clock or gap was found.</p>"
     rows = []
     for event in report.events:
-        utc = "" if event.utc is None else f" <span class=quiet>({escape(event.utc)})</span>"
+        at = "" if event.utc is None else event.utc.replace("T", " ").replace("Z", " UTC")
+        utc = f" <span class=quiet>({escape(at)})</span>" if at else ""
         side = f" {event.direction}" if event.direction and event.kind != "slipped" else ""  # of its wheels
         distance = "" if event.distance_m is None else f" {event.distance_m:.2f} m{side}"
         step = f" {event.step_s:+.2f} s" if event.step_s else ""

@@ -78,6 +78,7 @@ def test_the_command_writes_a_page_that_needs_nothing_else(tmp_path: Path) -> No
     assert done.exit_code == 0, done.output
     text = _Page(out.read_text("utf-8")).texts
     assert text[text.index("resolution") + 1] == "0.1 m"
+    assert text[text.index("log_odds_miss") + 1] == "−0.4"
     as_pdf = tmp_path / "report.pdf"
     assert CliRunner().invoke(app, ["report", str(log), "-o", str(as_pdf), "--resolution", "0.1"]).exit_code == 0
     check_pdf(as_pdf.read_bytes())

@@ -307,12 +307,14 @@ export interface FleetFinding {
 
 /**
  * A log of the fleet; `fraction` is the share of its job that is done, `facts` what was found out. `options` are those
- * that are not as by default, in words.
+ * that are not as by default, in words. `has_picture` says whether there is a picture of its map, which the reading of
+ * a log draws before the fleet does.
  */
 export interface FleetLog {
   readonly id: string;
   readonly name: string;
   readonly state: "none" | "queued" | "running" | "done" | "failed";
+  readonly has_picture: boolean;
   readonly fraction: number;
   readonly error: Failure | null;
   readonly facts: FleetFacts | null;

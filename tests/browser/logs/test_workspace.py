@@ -184,6 +184,14 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     contradicted.click()
     expect(legend).to_have_count(2)
 
+    # A number of a message leads to its plot.
+    messages = open_group(page, "Messages")
+    messages.get_by_text("angular_velocity", exact=True).click()
+    messages.get_by_role("button", name="plot angular_velocity.z").click()
+    expect(legend).to_have_count(3)
+    expect(legend.last).to_contain_text("/imu angular_velocity.z")
+    expect(plots.locator(".field-plot .u-label").filter(has_text="angular_velocity.z")).to_have_count(1)
+
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
 def test_a_layout_begins_at_its_first_view_on_a_phone(page: Page, server: str, tmp_path: Path) -> None:

@@ -71,12 +71,14 @@ FleetLogState = Literal["none", "queued", "running", "done", "failed"]
 class FleetLog:
     """A log of the fleet; ``fraction`` is the share of its job that is done, ``facts`` what was found out.
 
-    ``options`` are those that are not as by default, in words.
+    ``options`` are those that are not as by default, in words. ``has_picture`` says whether there is a picture of its
+    map, which the reading of a log draws before the fleet does.
     """
 
     id: str
     name: str
     state: FleetLogState
+    has_picture: bool
     fraction: float
     error: Failure | None
     facts: FleetFacts | None
@@ -202,7 +204,8 @@ class FleetJobs:
                 fraction = round(self._queue.fraction(key), 3) if state == "running" else 0.0
                 error, facts = (None, None) if record is None else (record.error, record.result)
                 by = "" if record is None else record.request.options.in_words
-                shown.append(FleetLog(log.id, log.name, state, fraction, error, facts, by))
+                has_picture = self._catalogue.picture(log.id).exists()
+                shown.append(FleetLog(log.id, log.name, state, has_picture, fraction, error, facts, by))
         cluster = None if self._cluster is None else self._cluster.state
         return FleetState(self._revision, whole, self.places, cluster, counts, shown)
 

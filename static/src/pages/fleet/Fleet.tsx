@@ -125,7 +125,13 @@ function FleetCard({ log }: { log: FleetLog }) {
 
 function Picture({ log }: { log: FleetLog }) {
   return (
-    <LogPicture id={log.id} hasPicture={log.facts?.picture ?? false} isAwaited={false} alt={`Map of ${log.name}`}>
+    <LogPicture
+      key={log.state}
+      id={log.id}
+      hasPicture={log.has_picture && log.state !== "running"}
+      isAwaited={false}
+      alt={`Map of ${log.name}`}
+    >
       {log.state === "running" && (
         <ProgressBar fraction={log.fraction > 0 ? log.fraction : null} label={`Mapping ${log.name}`} />
       )}

@@ -5,6 +5,7 @@ const log = (name: string, more: Partial<FleetLog> = {}): FleetLog => ({
   id: `id of ${name}`,
   name,
   state: "none",
+  has_picture: false,
   fraction: 0,
   error: null,
   facts: null,

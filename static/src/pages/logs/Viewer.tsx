@@ -12,7 +12,7 @@ import { usePicked } from "../../tools/scene/usePicked";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
 import { LayoutChoice } from "../../ui/stage/LayoutChoice";
-import { Stage } from "../../ui/stage/Stage";
+import { Stage, showView } from "../../ui/stage/Stage";
 import { useLayout } from "../../ui/stage/useLayout";
 import { toast } from "../../ui/Toast";
 import type { TrajectoryErrors } from "../../wire/http";
@@ -23,6 +23,7 @@ import { comparisonFragment } from "./compare/link";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { ContentsContext, useContents } from "./contents/useContents";
 import { eventsOf, useDoctor } from "./Doctor";
+import { withField } from "./fields/fields";
 import { useFieldsState } from "./fields/useFields";
 import { groupsOf, OVERVIEW, SHARE } from "./groups";
 import { Head } from "./Head";
@@ -41,7 +42,7 @@ import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import { showColumn, ViewerFrame, ViewerStatus } from "./ViewerFrame";
 import { Solid } from "./views/solid";
-import { hasCamera, KINDS, lastLayout, MAP_ALONE, presetsFor, viewsOf } from "./views/views";
+import { hasCamera, KINDS, lastLayout, MAP_ALONE, PLOTS_VIEW, presetsFor, viewsOf } from "./views/views";
 import { OpenIn3d } from "./volume/OpenIn3d";
 
 interface ViewerProps {
@@ -99,6 +100,15 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const openNotes = (): void => {
     showColumn();
     openGroup.value = "notes";
+  };
+  const onPlot = (topic: string, field: string): void => {
+    fields.isNew.current = false;
+    fields.chosen.value = withField(fields.chosen.peek(), { topic, field });
+    if (layout.peek().views.includes(PLOTS_VIEW)) showView(PLOTS_VIEW);
+    else {
+      showColumn();
+      openGroup.value = "plots";
+    }
   };
   useSignalEffect(() => {
     if (status.value !== "gone" || !reopens) return;
@@ -194,6 +204,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
               pictured,
               lines,
               fields,
+              onPlot,
               zoom: plots.zoom,
               onCorrectPoses,
               sharedView: () => sharedViewOf(store, picture),
@@ -228,7 +239,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         <div class="viewer-stage" ref={stage}>
           <Stage
             views={viewsOf(
-              { store, session, topic, pictured, comparison, lines, fields, zoom: plots.zoom, solid },
+              { store, session, topic, pictured, comparison, lines, fields, onPlot, zoom: plots.zoom, solid },
               map,
             )}
             layout={layout.value}

@@ -153,6 +153,8 @@ interface LogView {
   readonly pictured: Signal<string>;
   readonly lines: LinesState;
   readonly fields: FieldsState;
+  /** Plot a number of a topic's messages, by its path. */
+  readonly onPlot: (topic: string, field: string) => void;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
   /** Begin SLAM of the log, and open the group that shows it. */
@@ -286,7 +288,9 @@ const GROUPS: readonly Group[] = [
     id: "messages",
     title: "Messages",
     section: "Data",
-    content: ({ store, session, topic }) => <Messages store={store} session={session} topic={topic} />,
+    content: ({ store, session, topic, onPlot }) => (
+      <Messages store={store} session={session} topic={topic} onPlot={onPlot} />
+    ),
   },
   {
     id: "lines",

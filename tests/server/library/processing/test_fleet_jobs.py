@@ -143,10 +143,13 @@ async def test_the_facts_and_the_picture_are_those_of_the_log(
     monkeypatch.setattr("server.jobs.process.lower_priority", lambda: None)
     monkeypatch.setattr(FleetJob, "compute", COMPUTE)
     (log,) = await uploads(library, 30)
+    assert library.fleet.state([log]).logs[0].has_picture, "drawn when the log was read"
     library._catalogue.picture(log.id).unlink()
+    assert not library.fleet.state([log]).logs[0].has_picture
     await library.fleet.begin([log])
     await eventually(lambda: counts(library, [log]) == {"done": 1})
     facts = library.fleet.state([log]).logs[0].facts
+    assert library.fleet.state([log]).logs[0].has_picture
     assert facts is not None
     assert (facts.scans, facts.beams, facts.picture, facts.runs) == (30, 3, True, 1)
     assert facts.cols * facts.resolution > 29.0, "the robot drives 29 m"

@@ -23,6 +23,7 @@ import {
   paired,
   SPEED,
   WINDOWS,
+  withField,
 } from "./fields";
 import { type FieldsState, type FoundSeries, useFieldNames, useFieldSeries } from "./useFields";
 import "./fields.css";
@@ -54,17 +55,6 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
       <Search session={session} fields={fields} />
       {chosen.length > 0 && <Legend fields={fields} series={series} />}
       {plotted && (
-        <Plot
-          store={store}
-          series={plotted}
-          plot=""
-          zoom={zoom}
-          {...(across === null
-            ? {}
-            : { across: plotted.columns.findIndex((_, n) => isAcross(chosen, series, n, across)) })}
-        />
-      )}
-      {plotted && (
         <div class="actions">
           <label>
             Horizontal{" "}
@@ -90,6 +80,17 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
           </Button>
         </div>
       )}
+      {plotted && (
+        <Plot
+          store={store}
+          series={plotted}
+          plot=""
+          zoom={zoom}
+          {...(across === null
+            ? {}
+            : { across: plotted.columns.findIndex((_, n) => isAcross(chosen, series, n, across)) })}
+        />
+      )}
     </section>
   );
 }
@@ -110,8 +111,7 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
     [topics, text.value],
   );
   const add = (field: Pick<Chosen, "topic" | "field"> | undefined): void => {
-    if (!field || fields.chosen.peek().some((other) => keyOf(other) === keyOf(field))) return;
-    fields.chosen.value = [...fields.chosen.peek(), { ...field, made: "value", window: 1 }];
+    if (field) fields.chosen.value = withField(fields.chosen.peek(), field);
   };
   useEffect(() => {
     if (names.kind !== "ready" || !fields.isNew.current) return;

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { SeriesAnswer } from "../../../wire/http";
-import { type Chosen, csvOf, joined, labelOf, matching, paired, valueAt } from "./fields";
+import { type Chosen, csvOf, joined, labelOf, matching, paired, valueAt, withField } from "./fields";
 
 const chosen = (field: string): Chosen => ({ topic: "/imu", field, made: "value", window: 1 });
 const series = (
@@ -59,4 +59,12 @@ test("over another field the others are taken at its times, not across a gap", (
 test("what is made of a field is in its label", () => {
   expect(labelOf({ ...chosen("z"), made: "derivative" })).toBe("d/dt /imu z");
   expect(labelOf({ ...chosen("z"), made: "average", window: 5 })).toBe("/imu z, mean of 5 s");
+});
+
+test("a field is plotted once", () => {
+  const field = { topic: "/imu", field: "a.z" };
+  const one = withField([], field);
+  expect(one).toEqual([chosen("a.z")]);
+  expect(withField(one, field)).toBe(one);
+  expect(withField(one, { ...field, topic: "/odom" }).map(({ topic }) => topic)).toEqual(["/imu", "/odom"]);
 });

@@ -42,6 +42,12 @@ export const WINDOWS = [0.2, 1, 5, 20] as const;
 
 export const keyOf = ({ topic, field }: Pick<Chosen, "topic" | "field">): string => `${topic} ${field}`;
 
+/** The fields that are plotted with another one, as it is in the messages; the same where it is among them. */
+export function withField(chosen: readonly Chosen[], field: Pick<Chosen, "topic" | "field">): readonly Chosen[] {
+  if (chosen.some((other) => keyOf(other) === keyOf(field))) return chosen;
+  return [...chosen, { ...field, made: "value", window: 1 }];
+}
+
 /** What is shown of a field, as a legend has it. */
 export function labelOf(chosen: Chosen): string {
   if (chosen.made === "derivative") return `d/dt ${keyOf(chosen)}`;

@@ -63,9 +63,11 @@ interface MessagesProps {
   readonly session: string;
   /** The topic that is shown; "" for the first. */
   readonly topic: Signal<string>;
+  /** Plot a number of a topic's messages, by its path. */
+  readonly onPlot: (topic: string, field: string) => void;
 }
 
-export function Messages({ store, session, topic }: MessagesProps) {
+export function Messages({ store, session, topic, onPlot }: MessagesProps) {
   return (
     <WhenKnown>
       {({ topics }) => {
@@ -85,7 +87,7 @@ export function Messages({ store, session, topic }: MessagesProps) {
                 topic.value = name;
               }}
             />
-            <OfTopic key={chosen} store={store} session={session} topic={chosen} />
+            <OfTopic key={chosen} store={store} session={session} topic={chosen} onPlot={onPlot} />
           </div>
         );
       }}
@@ -93,7 +95,7 @@ export function Messages({ store, session, topic }: MessagesProps) {
   );
 }
 
-function OfTopic({ store, session, topic }: Omit<MessagesProps, "topic"> & { readonly topic: string }) {
+function OfTopic({ store, session, topic, onPlot }: Omit<MessagesProps, "topic"> & { readonly topic: string }) {
   const answer = useAtMoment<MessageAnswer>(
     store,
     (at) => addressOf(MESSAGE, { session_id: session }, { topic, at }),
@@ -133,7 +135,7 @@ function OfTopic({ store, session, topic }: Omit<MessagesProps, "topic"> & { rea
           Copy as JSON
         </Button>
       </div>
-      <Branch value={fields} path="" open={open} />
+      <Branch value={fields} path="" open={open} onPlot={(field) => onPlot(topic, field)} />
     </>
   );
 }
@@ -143,18 +145,33 @@ interface BranchProps {
   readonly path: string;
   /** The paths of the branches that are unfolded. */
   readonly open: Signal<ReadonlySet<string>>;
+  /** Plot a number, by its path. */
+  readonly onPlot: (path: string) => void;
 }
 
-/** Fields and elements; those with parts unfold, and stay so as the moment changes. */
-function Branch({ value, path, open }: BranchProps) {
+/** Fields and elements; those with parts unfold, and stay so as the moment changes. A number can be plotted. */
+function Branch({ value, path, open, onPlot }: BranchProps) {
   return (
     <ul class="message-tree">
       {partsOf(value).map(([name, part]) => {
-        const own = path === "" ? name : `${path}.${name}`;
+        const own = Array.isArray(value) ? `${path}[${name}]` : [path, name].filter(Boolean).join(".");
         if (!isBranch(part) || partsOf(part).length === 0) {
           return (
             <li key={name}>
-              <span class="message-name">{name}</span> <span class="message-value">{scalar(part)}</span>
+              <span class="message-name">{name}</span>{" "}
+              {typeof part === "number" ? (
+                <button
+                  type="button"
+                  class="message-value"
+                  title={`Plot ${own} over time`}
+                  aria-label={`${scalar(part)}: plot ${own}`}
+                  onClick={() => onPlot(own)}
+                >
+                  {scalar(part)}
+                </button>
+              ) : (
+                <span class="message-value">{scalar(part)}</span>
+              )}
             </li>
           );
         }
@@ -175,7 +192,7 @@ function Branch({ value, path, open }: BranchProps) {
                 <span class="message-name">{name}</span>{" "}
                 <span class="quiet">{Array.isArray(part) ? `[${count}]` : ""}</span>
               </summary>
-              {isOpen && <Branch value={part} path={own} open={open} />}
+              {isOpen && <Branch value={part} path={own} open={open} onPlot={onPlot} />}
             </details>
           </li>
         );

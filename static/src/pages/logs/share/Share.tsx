@@ -4,9 +4,9 @@ import type { Shown } from "./links";
 import { ShareLinks } from "./ShareLinks";
 
 const TEXT =
-  "A link opens what you see: parameters, poses, moment, visible part of the map, views and what they show, comparison, " +
-  "measured lines, selected place, open group and chosen note. Everyone who opens it gets a session of their own, in which they can play, change parameters and ask why. They cannot delete or " +
-  "download the log or open other logs. The link works until you revoke it.";
+  "A link opens what you see now: moment, map, views, measured lines and chosen note. Whoever opens it can play, change " +
+  "parameters and ask why in a session of their own, but cannot delete or download the log, or open other logs. The " +
+  "link works until you revoke it.";
 
 interface ShareProps {
   readonly session: string;

@@ -36,6 +36,8 @@ interface LogOfView {
   readonly comparison: Comparison;
   readonly lines: LinesState;
   readonly fields: FieldsState;
+  /** Plot a number of a topic's messages, by its path. */
+  readonly onPlot: (topic: string, field: string) => void;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
   readonly solid: Solid;
@@ -51,13 +53,14 @@ interface View {
 
 const MAP_VIEW = "map";
 export const SOLID_VIEW = "3d";
+export const PLOTS_VIEW = "plots";
 
 /** In the order in which they fill an arrangement; the map, which the viewer has, is the first of all. */
 const VIEWS: readonly View[] = [
   { kind: "picture", title: "Pictures", content: (log) => <Pictures {...log} /> },
   { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
   { kind: "lines", title: "Log lines", content: (log) => <Lines {...log} /> },
-  { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
+  { kind: PLOTS_VIEW, title: "Plots", content: (log) => <Plots {...log} /> },
   { kind: SOLID_VIEW, title: "3D", content: (log) => <SolidView {...log} /> },
   {
     kind: "second",
