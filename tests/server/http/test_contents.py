@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from mapper.grid import OccupancyGrid
 from mapper.grid.metrics import map_metrics
 from mapper.io.contents.downsampling import min_max
 from mapper.mapping.integrate import geometry_for, integrate_log
-from server.library.processing.inspections import InspectJob
+from server.jobs.process import BoundedJob, JobLimits
 from server.sessions.parts import Recording
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -149,7 +150,7 @@ def test_an_inspection_that_is_cancelled_ends_in_its_process_and_begins_anew(
 ) -> None:
     """The inspection is held up in its process, which therefore has to be ended: it would never come back."""
     begun = tmp_path / "begun"
-    monkeypatch.setattr("server.library.processing.inspections.inspect_job", partial(held_up, begun))
+    monkeypatch.setattr("server.library.processing.inspections.InspectJob", partial(HeldUpJob, begun))
     session = opened(service, "held.mcap", recorded.mcap_bytes(robot(1)))
     address = f"/api/sessions/{session}/contents"
     # Each request keeps it alive: one that nobody asks for ends after a while, which a busy machine may need to begin.
@@ -171,11 +172,20 @@ def has_ended(process: int) -> bool:
         return True
 
 
-def held_up(begun: Path, job: InspectJob) -> None:
-    """Stand in for ``inspect_job``: say which process it is, and wait for its end."""
-    begun.with_suffix(".half").write_text(str(os.getpid()))
-    begun.with_suffix(".half").rename(begun)
-    signal.pause()
+@dataclass(frozen=True, slots=True)
+class HeldUpJob(BoundedJob[None]):
+    """Stand in for ``InspectJob``: write to ``begun`` which process it is, and wait for its end."""
+
+    begun: Path
+    source: str
+    target: str
+    limits: JobLimits
+
+    def compute(self) -> None:
+        """Write it, and wait."""
+        self.begun.with_suffix(".half").write_text(str(os.getpid()))
+        self.begun.with_suffix(".half").rename(self.begun)
+        signal.pause()
 
 
 def test_a_text_log_and_a_world(service: Service) -> None:
