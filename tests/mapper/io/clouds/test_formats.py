@@ -182,7 +182,7 @@ def test_the_trajectory_of_libpointmatcher_states_its_times(data_file: Callable[
         (b"LASF" + bytes(100), "ends within its LAS header"),
         (b"LASF" + bytes(400), "LAS file is damaged"),
         (b"1 2 3\n1 2\n", "number of values changes near line"),
-        (b"x,y,z,label\n1,2,3\n", "3 numbers, but 4 names"),
+        (b"x,y,z,label\n1,2,3\n", "3 numbers, but 4 column names"),
         (b"hello\nworld\n", "none of the known formats"),
     ],
 )

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from server.jobs.process import JobLimits
 from server.library.processing.inspections import Inspections
 from server.library.processing.reference_maps import ReferenceMaps
 from server.library.processing.relation_scores import MeanErrors, RelationMeans, RelationScores
 
-LIMITS: dict[str, Any] = {"timeout_s": 60.0, "cpu_s": 60.0, "memory_bytes": 1 << 30}
+LIMITS = JobLimits(60.0, 60.0, 1 << 30)
 MANY, ONE = "198.51.100.7", "203.0.113.9"
 
 Compute = Callable[[str, str], Awaitable[Any]]
@@ -34,7 +35,7 @@ class Catalogue:
 
 
 def scores(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[], Awaitable[Any]]) -> Compute:
-    made = RelationScores(Catalogue(), folder, **LIMITS)  # type: ignore[arg-type] # a stand-in
+    made = RelationScores(Catalogue(), folder, LIMITS)  # type: ignore[arg-type] # a stand-in
     log: Any = SimpleNamespace(stamps_ns=np.zeros(1, np.int64), trajectory=lambda _: SimpleNamespace(poses=None))
     record: Any = SimpleNamespace(source="sample", name="sample")
 
@@ -47,7 +48,7 @@ def scores(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[], Awa
 
 
 def inspections(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[], Awaitable[Any]]) -> Compute:
-    made = Inspections(Catalogue(), **LIMITS)  # type: ignore[arg-type] # a stand-in
+    made = Inspections(Catalogue(), LIMITS)  # type: ignore[arg-type] # a stand-in
 
     async def told(*_: Any) -> None:
         await done()
