@@ -84,7 +84,7 @@ def test_a_3d_view_has_its_camera_again_after_a_lost_connection(context: Browser
             page.evaluate("() => true")  # what the page sent is told here only while Playwright is called
             return bool(view.cameras) and view.cameras[-1].turn[0, 2] > 0.9
 
-        panel.get_by_role("button", name="West").click()
+        panel.get_by_role("combobox", name="Camera").select_option("West")
         until("the camera in the west", camera_is_west)
         proxy.cut()
         expect(page.locator(".lab-status")).to_contain_text(AWAY)

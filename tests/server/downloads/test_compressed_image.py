@@ -15,7 +15,7 @@ from mapper.core.errors import LimitError
 from server.downloads import CompressedImage, Downloads
 from server.downloads.compressed_image import MEMORY_BYTES
 from server.downloads.downloads import StoppedError
-from tests.server.service import eventually
+from tests.server.service import PATIENCE_S, eventually
 
 
 def anyway() -> None:
@@ -67,7 +67,7 @@ async def test_work_that_is_cancelled_has_ended_when_the_call_returns(downloads:
             raise
 
     task = asyncio.create_task(downloads.run(work))
-    await asyncio.to_thread(begun.wait)
+    assert await asyncio.to_thread(begun.wait, PATIENCE_S)
     task.cancel()
     with pytest.raises(asyncio.CancelledError):
         await task

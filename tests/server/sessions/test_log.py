@@ -38,7 +38,7 @@ from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_log
 from tests.server.sent import sent
-from tests.server.service import eventually
+from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of
 
 WELL = Diagnosis((), ())
@@ -289,7 +289,7 @@ async def test_an_examination_ends_with_its_session(
 
     monkeypatch.setattr("mapper.diagnosis.consistency.integrate_scans", slow)
     asked = asyncio.ensure_future(session.model.recording.examined())
-    await asyncio.to_thread(begun.wait)
+    assert await asyncio.to_thread(begun.wait, PATIENCE_S)
     await registry.close(session.id)
     with pytest.raises(WorkCancelledError):
         await asked
@@ -303,11 +303,11 @@ async def test_an_examination_ends_when_nobody_waits_for_it_any_more(
     recording = session.model.recording
     begun, ended, maps = threading.Event(), threading.Event(), 0
 
-    def examined(*_: Any, wanted: Callable[[], bool]) -> list[Any]:
+    def examined(*_: Any, may_continue: Callable[[], bool]) -> list[Any]:
         nonlocal maps
         maps += 1
         begun.set()
-        while wanted():
+        while may_continue():
             time.sleep(0.001)
         ended.set()
         raise WorkCancelledError("doctor.unwanted", "The examination is not wanted any more.")
@@ -315,12 +315,12 @@ async def test_an_examination_ends_when_nobody_waits_for_it_any_more(
     with monkeypatch.context() as patched:
         patched.setattr("mapper.diagnosis.diagnose", examined)
         one, other = (asyncio.ensure_future(recording.examined()) for _ in range(2))
-        await asyncio.to_thread(begun.wait)
+        assert await asyncio.to_thread(begun.wait, PATIENCE_S)
         one.cancel()
         await asyncio.wait([one])
         assert not ended.is_set(), "the other one still waits"
         other.cancel()
-        await asyncio.to_thread(ended.wait)
+        assert await asyncio.to_thread(ended.wait, PATIENCE_S)
     assert maps == 1
     assert recording.examined_share is None
     assert await recording.examined() == WELL

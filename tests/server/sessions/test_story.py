@@ -173,10 +173,10 @@ def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
 ) -> None:
     went_on, ended = threading.Event(), threading.Event()
 
-    def slow(_: Any, *, wanted: Callable[[], bool], report: Callable[[float], None], **__: Any) -> LiveMap:
+    def slow(_: Any, *, may_continue: Callable[[], bool], report: Callable[[float], None], **__: Any) -> LiveMap:
         report(0.25)
         went_on.set()
-        while wanted():
+        while may_continue():
             threading.Event().wait(0.005)
         ended.set()
         raise WorkCancelledError("story.unwanted", "It is not wanted.")
