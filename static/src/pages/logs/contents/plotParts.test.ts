@@ -29,6 +29,9 @@ test("an axis has at least three labels, at round places within it, and no more 
   expect(labelPlaces(0, 100, 6)).toEqual([0, 20, 40, 60, 80, 100]);
   expect(labelPlaces(10, 130, 5, TIME_STEPS)).toEqual([30, 60, 90, 120]);
   expect(labelPlaces(0, 19.9, 4)).toEqual([0, 5, 10, 15]);
+  expect(labelPlaces(-0.7, 7.9, 3)).toEqual([0, 3, 6]);
+  expect(labelPlaces(0, 3.4, 3)).toEqual([0, 1.5, 3]);
+  expect(labelPlaces(0.0001, 0.0005, 3, TIME_STEPS)).toHaveLength(3);
 });
 
 test("shares of a whole end at 100 %, and numbers on an axis are short", () => {

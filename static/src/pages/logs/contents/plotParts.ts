@@ -41,23 +41,32 @@ function roundSteps(length: number): number[] {
   return [0, 1, 2].flatMap((more) => [1, 2, 5].map((digit) => Number(`${digit}e${power + more}`)));
 }
 
+/** The multiples of `step` within an interval; null where there would be more than `most`. */
+function multiples(step: number, low: number, high: number, most: number): number[] | null {
+  const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+  if (last - first >= most) return null;
+  return Array.from({ length: last - first + 1 }, (_, n) => Number(((first + n) * step).toPrecision(12)));
+}
+
 /**
  * Places of the labels on an axis: multiples of one of the ascending `steps`, at least three, and no more than `most`.
- * uPlot itself leaves one or two where an axis is short.
+ * Without `steps` they are round numbers. uPlot itself leaves one or two where an axis is short.
  */
-export function labelPlaces(low: number, high: number, most: number, steps = roundSteps(high - low)): number[] {
+export function labelPlaces(low: number, high: number, most: number, steps?: readonly number[]): number[] {
   if (!(high > low)) return [low];
-  let finer: number[] = [];
-  for (const step of steps) {
-    const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
-    if (last - first > 20 * most) continue;
-    const places = Array.from({ length: last - first + 1 }, (_, n) => Number(((first + n) * step).toPrecision(12)));
+  let [finer, finerStep]: [number[], number] = [[], 0];
+  for (const step of steps ?? roundSteps(high - low)) {
+    const places = multiples(step, low, high, 20 * most);
+    if (!places) continue;
     if (places.length <= most) {
       if (places.length >= 3) return places;
+      // Four places where three have room, and the next step leaves two: as 0, 3, 6 instead of 0, 2, 4, 6 or 0, 5.
+      const between = steps || finerStep === 0 ? null : multiples(1.5 * finerStep, low, high, most);
+      if (between && between.length >= 3) return between;
       const every = Math.floor((finer.length - 1) / 2);
       return every > 0 ? finer.filter((_, n) => n % every === 0).slice(0, 3) : [low, (low + high) / 2, high];
     }
-    finer = places;
+    [finer, finerStep] = [places, step];
   }
   return finer;
 }
