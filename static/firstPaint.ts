@@ -13,7 +13,7 @@ import { palette } from "./src/render/map/palettes";
 import FIRST from "./src/store/firstPicture.json";
 import type { Rgb } from "./src/style/colour";
 import { ICON_PATHS, type IconName } from "./src/ui/iconPaths";
-import { SITE_PAGES } from "./src/ui/sitePages";
+import { SITE_PAGES } from "./src/ui/site/sitePages";
 import { decodeFrame } from "./src/wire/decodeFrame";
 
 /** Cells around the world that the picture shows. */

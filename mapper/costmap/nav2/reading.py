@@ -419,10 +419,11 @@ def _footprint(value: object, where: str, notes: list[str]) -> Footprint | None:
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
-    if footprint.crossing is not None:
+    crossing = footprint.crossing
+    if crossing is not None:
         notes.append(
-            f"{where}.footprint crosses itself: the edges from point {footprint.crossing[0]} and from point "
-            f"{footprint.crossing[1]} meet. As in Nav2 it is taken as it is: the inscribed radius is the distance from "
+            f"{where}.footprint crosses itself: the edges from point {crossing[0]} and from point "
+            f"{crossing[1]} meet. As in Nav2 it is taken as it is: the inscribed radius is the distance from "
             "(0, 0) to the nearest edge. Put the points in their order along the outline."
         )
     if not footprint.holds_origin:

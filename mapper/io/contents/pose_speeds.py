@@ -31,8 +31,8 @@ def states_speeds(rows: Float64Array) -> bool:
 def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Array:
     """Return forward and sideways (m/s) and turning (rad/s), (n, 3), of poses (n, 3) since the one before.
 
-    ``stamps_ns`` (n,) ascend. NaN for the first pose, for one at the time of the one
-    before, and for more than :data:`MOST`.
+    ``stamps_ns`` (n,) ascend. NaN for the first pose, for a pose at the time of the one before, and for speeds above
+    :data:`MOST`.
     """
     seconds = np.diff(stamps_ns) * 1e-9
     moved = compose(inverse(poses[:-1]), poses[1:])
@@ -50,4 +50,4 @@ def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Arr
 
 def from_poses(columns: tuple[Column, ...]) -> tuple[Column, ...]:
     """Return the columns of an odometry with the names of speeds that are those of its poses."""
-    return tuple(replace(one, label=f"{one.label} {FROM_POSES}") for one in columns[:3]) + columns[3:]
+    return tuple(replace(column, label=f"{column.label} {FROM_POSES}") for column in columns[:3]) + columns[3:]

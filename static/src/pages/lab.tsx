@@ -25,7 +25,7 @@ import { profileReading } from "../tools/profile/reading";
 import { useOpenGroup } from "../tools/why/useOpenGroup";
 import { watchVisibility } from "../ui/browser/whenIdle";
 import { Dock } from "../ui/dock/Dock";
-import { SiteHeader } from "../ui/SiteHeader";
+import { SiteHeader } from "../ui/site/SiteHeader";
 import { LayoutChoice } from "../ui/stage/LayoutChoice";
 import type { Layout } from "../ui/stage/layout";
 import { Stage as Views } from "../ui/stage/Stage";

@@ -10,7 +10,7 @@ import { followedCode } from "../store/classroom";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
 import { anchorScroll } from "../ui/browser/scrollAnchor";
-import { SiteHeader } from "../ui/SiteHeader";
+import { SiteHeader } from "../ui/site/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { renderNearFigures, showSection } from "./lecture/awaitedFigures";
 import { LectureStage } from "./lecture/LectureStage";

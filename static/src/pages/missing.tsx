@@ -2,7 +2,7 @@ import "../style/index.css";
 import "./missing.css";
 import { render } from "preact";
 import { Button } from "../ui/Button";
-import { SiteHeader } from "../ui/SiteHeader";
+import { SiteHeader } from "../ui/site/SiteHeader";
 
 /** The answer to an address that has no page. */
 function Missing() {

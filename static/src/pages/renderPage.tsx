@@ -1,7 +1,7 @@
 import { type ComponentChild, render } from "preact";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { ConfirmDialog } from "../ui/Dialog";
-import { SiteHeader } from "../ui/SiteHeader";
+import { SiteHeader } from "../ui/site/SiteHeader";
 import { Toasts } from "../ui/Toast";
 
 interface PageProps {

@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
-import { Button } from "./Button";
-import { isDark, theme } from "./browser/theme";
-import { Icon } from "./Icon";
+import { Button } from "../Button";
+import { isDark, theme } from "../browser/theme";
+import { Icon } from "../Icon";
 import { SITE_PAGES } from "./sitePages";
 
 /** Switch between light and dark; a choice equal to the device's scheme is stored as "system". */
