@@ -3,15 +3,15 @@ import { Button } from "../ui/Button";
 interface NotOpenedProps {
   readonly title: string;
   readonly reason: string;
-  /** The text of the button that opens it again. */
+  /** Label of the button that opens the view again. */
   readonly again?: string;
   readonly onAgain: () => void;
-  /** The text of the button that leads back. */
+  /** Label of the button that leads back. */
   readonly back?: string;
   readonly onBack?: (() => void) | undefined;
 }
 
-/** In place of a view that could not be opened, or is open no longer. */
+/** Shown instead of a view that could not be opened or has ended. */
 export function NotOpened({ title, reason, again = "Try again", onAgain, back, onBack }: NotOpenedProps) {
   return (
     <div class="viewer-message" role="alert">
@@ -30,11 +30,11 @@ export function NotOpened({ title, reason, again = "Try again", onAgain, back, o
 interface SessionEndedProps extends Omit<NotOpenedProps, "title" | "reason"> {
   /** What has ended. */
   readonly what?: string;
-  /** What of it is still there, as a sentence. */
+  /** A sentence on what is still available. */
   readonly left: string;
 }
 
-/** In place of a view whose session has ended on the server. */
+/** Shown instead of a view whose session has ended on the server. */
 export function SessionEnded({ what = "session", left, ...buttons }: SessionEndedProps) {
   return (
     <NotOpened

@@ -5,7 +5,7 @@ import { Working } from "../ui/Working";
 import { NO_ANSWER } from "../wire/ask";
 import { starting } from "./worldSession";
 
-/** Longer than a start takes once the server has compiled its functions. */
+/** Longer than a start takes if the server has compiled its functions. */
 const COMPILING_AFTER_S = 2;
 
 /** Whether a start takes long, or the server does not answer. */
@@ -15,13 +15,13 @@ export const isDelayed = computed(() => {
 });
 
 interface StartingProps {
-  /** A sentence on what goes on without the server; the note is then over what contains it, not in a corner. */
+  /** A sentence on what works without the server. The note then covers its container instead of a corner. */
   readonly meanwhile?: string;
-  /** What else hinders the page; null for nothing. */
+  /** Another problem of the page; null if there is none. */
   readonly trouble?: string | null;
 }
 
-/** A note while the server makes a new world, or does not answer. */
+/** A note shown while the server creates a new world or does not answer. */
 export function Starting({ meanwhile, trouble = null }: StartingProps) {
   useEffect(() => {
     countSayers(1);

@@ -1,4 +1,4 @@
-/** Which session a follower's page is connected to: the one that the lecturer shows, or a copy of one's own. */
+/** The session that a follower's page is connected to: the lecturer's, or the follower's own copy. */
 
 import { computed, effect } from "@preact/signals";
 import { classroom } from "../store/classroom";
@@ -10,13 +10,12 @@ export interface Live extends Connection {
   readonly id: string;
 }
 
-/** In place of the key of a session: the class has ended, or the page is about to be replaced. */
+/** Used instead of a session's key when the class has ended or the page is about to be replaced. */
 const LAST = "last";
 
 /**
- * Call `connected` with the session to show on a page, whenever it is another one; null while there is none. Once the
- * class is over, and while the page is loaded that the lecturer has opened, this one keeps what it shows, without a
- * connection.
+ * Call `connected` with the session to show whenever it changes; null while there is none. When the class is over, or
+ * while the page that the lecturer has opened is loading, this page keeps its content without a connection.
  */
 export function watchClassSession(page: SessionPage, connected: (session: Live | null) => void): void {
   const wanted = computed(() => {

@@ -18,7 +18,7 @@ interface CellInfo {
 
 interface Hook {
   readonly connection: Connection;
-  /** Of the point clouds that the stage of a log shows. */
+  /** Of the point clouds on the stage of a log. */
   clouds?: Connection;
   /** Counts of observed cells of the displayed map by state. */
   cells(): { readonly free: number; readonly undecided: number; readonly occupied: number };

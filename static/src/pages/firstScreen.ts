@@ -1,9 +1,9 @@
-/** The words of the front page's first screen. Its HTML has them before its script runs. */
+/** The text of the front page's first screen, which its HTML contains before its script runs. */
 
 export const TITLE = "Watch a map fill in";
 
 interface Noun {
-  /** The colour that it has in the figures. */
+  /** Its colour in the figures. */
   readonly tone: "robot" | "beam" | "miss" | "hit";
   readonly text: string;
 }
@@ -27,7 +27,7 @@ export const MORE = { href: "#cell", label: "One cell, the lecture, your own log
 interface LegendEntry {
   readonly name: string;
   readonly label: string;
-  /** What else is said of it where there is room. */
+  /** Further text, shown if there is room. */
   readonly note?: string;
 }
 

@@ -52,17 +52,19 @@ function Contents() {
 const connection = signal<Connection | null>(null);
 const session = signal<string | null>(null);
 const trouble = signal<string | null>(null);
-/** What the pictures and the curve show: a recorded picture until the live world has one. */
+/** What the pictures and the curve show: a recording until the live world has a picture. */
 const shown = shownStore(
   computed(() => connection.value?.store ?? null),
   hadWorld() ? null : firstPicture(),
 );
 
 const app = document.getElementById("app") as HTMLElement;
-/** The pictures of the world and of the map that the page showed until this script ran; none of a world that goes on. */
+/**
+ * The pictures of the world and the map that the page showed before this script ran; none for a world that continues.
+ */
 const htmlPictures = hadWorld() ? [] : [...app.querySelectorAll("picture")];
 
-/** A picture of the HTML below the one that is drawn: without it the place would be empty until that is painted. */
+/** A picture of the HTML below the drawn one; without it the place would be empty until the first paint. */
 function FirstPicture({ of }: { readonly of: Element | undefined }) {
   return <div class="first-picture" aria-hidden="true" ref={(place) => of && place?.append(of)} />;
 }
@@ -172,7 +174,7 @@ function Legend() {
 /** The reading that was set by hand, metres; null while the curve follows the beam. */
 const handReading = signal<number | null>(null);
 
-/** The inverse sensor model of the map: a curve of which every part can be dragged, and its four numbers. */
+/** The inverse sensor model of the map: a curve whose parts can all be dragged, and its four numbers. */
 function Model() {
   const view = useProfileView(parameters, reading, handReading);
   const isPointed = Boolean(shown.value?.probe.value);
@@ -237,7 +239,7 @@ function Model() {
   );
 }
 
-/** Scans of one step: one second of simulated time. */
+/** Scans per step: one second of simulated time. */
 const SCANS_PER_STEP = 10;
 
 /** A button that advances the simulation by one step, if reduced motion is preferred. */
@@ -261,9 +263,9 @@ function Facts() {
   );
 }
 
-/** The parameters that the session begins with, for the figures until its own are known. */
+/** The parameters with which the session begins, for the figures until the session's own are known. */
 const FIRST = { ...INITIAL_PARAMETERS, range_max: LIVE_RANGE_MAX, window: LIVE_WINDOW };
-/** What is changed until then: the session gets it. */
+/** Changes made until then, which are sent to the session. */
 const early = signal<Readonly<Record<string, number>>>({});
 const parameters = computed(() => {
   const store = connection.value?.store;
@@ -295,7 +297,7 @@ function ClampEffect() {
   );
 }
 
-/** Whether this browser has the cookie of the service's token, which pages cannot read themselves. */
+/** Whether this browser has the cookie of the service's token, which pages cannot read. */
 const SIGNED_IN = /(^|; )gridbloom_signed_in=1/.test(document.cookie);
 
 function Page() {

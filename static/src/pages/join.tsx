@@ -26,7 +26,7 @@ const letters = (text: string): string =>
     .replace(/[^A-Z]/g, "")
     .slice(0, LENGTH);
 
-/** The code that was typed last: a page that says why it is refused shows it, so that a slip can be seen. */
+/** The code that was typed last. A page that was refused shows it, so that a typing error can be seen. */
 const typed = kept("gridbloom.class.typed", "", (value): value is string => typeof value === "string");
 
 function Join() {

@@ -50,11 +50,11 @@ import "./lab/lab.css";
 
 interface StageProps extends LabPictures {
   readonly layout: Signal<Layout>;
-  /** Whether nothing in it can be used. */
+  /** Whether all its controls are disabled. */
   readonly isInert: boolean;
 }
 
-/** The stage of the lab: its views, and the borders between them. */
+/** The stage of the lab: its views and the borders between them. */
 function Stage({ layout, isInert, ...pictures }: StageProps) {
   const now = layout.value;
   return (
@@ -73,15 +73,15 @@ function Stage({ layout, isInert, ...pictures }: StageProps) {
 
 type Reading = number | null | undefined;
 
-/** How often the profile is updated for a beam that is pointed at, and for the default one. */
+/** Rates at which the profile is updated for a pointed beam and for the default beam. */
 const POINTED_MS = 100;
 const IDLE_MS = 300;
-/** If a smaller share of the profile is visible, it is not updated, to leave the time to the pictures. */
+/** If a smaller share of the profile is visible, it is not updated, which leaves the time to the pictures. */
 const LEAST_SHARE = 0.35;
 
 /**
- * The reading of the inspected beam, for the profile, which is drawn again with each one. Without graphics hardware
- * that takes longer than a frame of both pictures, so it is updated at a low rate and only while visible.
+ * The reading of the inspected beam for the profile, which is redrawn with each reading. Without graphics hardware that
+ * takes longer than a frame of both pictures, so the profile is updated at a low rate and only while visible.
  */
 function useReading(store: Store, place: RefObject<HTMLElement | null>): ReadonlySignal<Reading> {
   const reading = useMemo(() => signal<Reading>(undefined), []);
@@ -119,7 +119,7 @@ const trouble = signal<string | null>(null);
 const RETRY_MS = 3000;
 /** Read before the address follows the session. */
 const FIRST_GROUP = groupFromAddress();
-/** What the pictures show: where the address names no session and no link, a recorded picture until there is a map. */
+/** What the pictures show: if the address names no session and no link, a recording until there is a map. */
 const shown = shownStore(
   computed(() => live.value?.store ?? null),
   namesNoWorld() && followedCode === null ? firstPicture() : null,
@@ -138,7 +138,7 @@ async function connectLab(): Promise<void> {
     };
     exposeHook(connection, () => picture);
     connection.start();
-    // Of a session that has ended the page knows more than the address does: also changes made while disconnected.
+    // Of a session that has ended the page knows more than its address, such as changes made while disconnected.
     if (shown) restore(connection.store, before ? visibleState(before.store) : shown);
     if (shown && before) connection.store.takeOver(before.store);
     stopAddress = keepAddress(id, connection.store);
@@ -154,7 +154,7 @@ async function connectLab(): Promise<void> {
 let stopAddress: () => void = () => undefined;
 let onPicture: (picture: Picture) => void = () => undefined;
 
-/** The curve, and the groups of controls; both use the state of the profile. */
+/** The curve and the groups of controls. Both use the state of the profile. */
 function Instruments({ session, comparison, layout, openGroup, isFollowing }: InstrumentsProps) {
   const { store, id } = session;
   const place = useRef<HTMLDivElement>(null);
@@ -188,7 +188,7 @@ interface InstrumentsProps {
   readonly layout: Signal<Layout> | null;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
-  /** Whether it is the lecturer who controls them. */
+  /** Whether the lecturer controls them. */
   readonly isFollowing: boolean;
 }
 
@@ -197,9 +197,9 @@ function Lab() {
   const store = session?.store ?? null;
   const comparison = useComparison(store);
   const openGroup = useOpenGroup(store, FIRST_GROUP);
-  // Curve and groups take longer to render, and wait until the pictures show a map.
+  // The curve and the groups take longer to render and wait until the pictures show a map.
   const isSeen = useSignal(false);
-  // The slide around the lab shows it once it is complete.
+  // The enclosing slide shows the page once it is complete.
   const isComplete = slidesAround === null || isSeen.value;
   const isFollowing = useClass(isComplete ? session : null, { page: "lab", group: openGroup });
   const isOwn = followedCode === null;

@@ -68,13 +68,13 @@ function ClassPointer() {
   const at = shownPointer.value;
   const box = at && document.querySelector(".slides > main")?.getBoundingClientRect();
   if (!at || !box) return null;
-  // The position is in the zoomed pixels of the slide: the element is within the zoomed page.
+  // The position is in zoomed pixels of the slide, because the element is inside the zoomed page.
   const zoom = Number(document.documentElement.style.zoom) || 1;
   const [left, top] = [(box.x + at[0] * box.width) / zoom, (box.y + at[1] * box.height) / zoom];
   return <div class="class-pointer" aria-hidden="true" style={`left: ${left}px; top: ${top}px`} />;
 }
 
-/** Resolves when every font of the page has been loaded or has failed, at the latest after `ms` milliseconds. */
+/** Resolves when every font of the page has loaded or failed, at the latest after `ms` milliseconds. */
 const fontsLoaded = (ms: number): Promise<unknown> =>
   Promise.race([
     Promise.allSettled([...document.fonts].map((font) => font.load())),
@@ -82,7 +82,7 @@ const fontsLoaded = (ms: number): Promise<unknown> =>
   ]);
 
 interface PartHeadProps {
-  /** Its place among the parts, from 1. */
+  /** Its position among the parts, from 1. */
   readonly number: number;
   readonly part: Part;
 }
@@ -151,18 +151,21 @@ const ENTRIES: readonly Entry[] = LESSONS.map((lesson) => ({ ...lesson, body: BO
 const FIRST_LATER = ENTRIES.findIndex(({ id }) => isLater(id));
 
 /**
- * The sections on the page. Those from the first whose figure is not there yet are added once it is: the page grows at
- * its end only, so nothing in view moves.
+ * The sections on the page. Those from the first whose figure has not loaded are added once it has: the page grows only
+ * at its end, so nothing in view moves.
  */
 const entriesNow = computed(() => (later.value || presenting.value ? ENTRIES : ENTRIES.slice(0, FIRST_LATER)));
-/** A picture of a slide has no other sections: it is there sooner. */
+/** A picture of a slide has no other sections, so that it is ready sooner. */
 const isOnPage = ({ id, index }: Part["lessons"][number]): boolean =>
   isPreview ? shownOf(id) !== null : index < entriesNow.value.length;
 
-/** Fonts that come after the first text is shown move it; they are smaller than the page's code and load beside it. */
+/**
+ * Fonts that arrive after the first text is shown move it. They are smaller than the page's code and load at the same
+ * time.
+ */
 const FONTS_MS = 1000;
 
-/** Scroll to the section in the address, or show its slide: at the start, and when the address changes. */
+/** Scroll to the section in the address, or show its slide, at the start and when the address changes. */
 function useAddress(): void {
   useLayoutEffect(() => {
     const follow = (): void => {
@@ -183,7 +186,7 @@ function useAddress(): void {
   }, [entries]);
 }
 
-/** Keep what is read where it is while the figures are rendered. */
+/** Keep the text that is being read in place while the figures are rendered. */
 function useStillText() {
   const main = useRef<HTMLElement>(null);
   useLayoutEffect(() => (main.current ? anchorScroll(main.current, ".lesson > *, .prose > *") : undefined), []);
@@ -203,7 +206,7 @@ function useReturn(): void {
   }, [now]);
 }
 
-/** Present from the section in sight. */
+/** Start the presentation at the section in view. */
 const present = (): void => setPresenting(true, ENTRIES[sectionInSight(ENTRIES)]?.id as LessonId | undefined);
 
 function Page() {

@@ -25,8 +25,8 @@ const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer"
 type Up = Required<NewVolume>["up"];
 
 /**
- * The query of the address, `?log=ID&topic=NAME&session=ID&kind=KIND`; the topic is one of the log's sensors, null
- * the default; the kind is that of the session, null for one of a log.
+ * The query of the address, `?log=ID&topic=NAME&session=ID&kind=KIND`. The topic is one of the log's sensors; null is
+ * the default. The kind is that of the session; null is that of a log.
  */
 interface Place {
   readonly log: string | null;
@@ -35,7 +35,7 @@ interface Place {
   readonly kind?: string | null;
   /** Whether the log is opened in 3D; the log to compare it with, or "". */
   readonly volume?: string | null;
-  /** The axis of the file that points up in 3D; null: as the server guesses it. */
+  /** The axis of the file that points up in 3D; null for the server's guess. */
   readonly up?: Up;
 }
 
@@ -47,7 +47,7 @@ function placeOf(search: string): Place {
     session: query.get("session"),
     kind: query.get("kind"),
     volume: query.get("volume"),
-    up: query.get("up") as Up, // the server refuses another one
+    up: query.get("up") as Up, // the server refuses any other
   };
 }
 
@@ -56,7 +56,7 @@ const link = linkOf(location.pathname);
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
 
-/** Time until the next request to a server that did not answer. */
+/** Delay before the next request to a server that did not answer. */
 const RETRY_MS = 3000;
 
 function go({ log, topic, session, kind = null, volume = null, up = null }: Place, replace = false): void {
@@ -78,7 +78,7 @@ function go({ log, topic, session, kind = null, volume = null, up = null }: Plac
   if (!log && !session) document.title = "Logs · Gridbloom";
 }
 
-/** Ends the request for the session that is being opened. */
+/** Aborts the request for the session that is being opened. */
 let ending: AbortController | null = null;
 
 function cancelOpening(): void {
@@ -104,7 +104,7 @@ async function open(
     const now = place.peek();
     if (now.log !== log || now.topic !== topic || (now.volume ?? null) !== volume || (now.up ?? null) !== up) return;
     const kind = session.kind === "log" ? null : session.kind;
-    // A file without planar scans is opened in 3D though the address does not say so.
+    // A file without planar scans is opened in 3D even if the address does not request it.
     go({ log, topic, session: session.id, kind, volume: kind === "volume" ? (volume ?? "") : volume, up }, true);
   } catch (error) {
     if (own.signal.aborted) return;
@@ -126,7 +126,7 @@ function resume(): void {
   if (log && !session) void open(log, topic, true, volume ?? null, up ?? null);
 }
 
-/** Open a log of the list: in 3D where it has no planar scans, or where that is asked for. */
+/** Open a log of the list, in 3D if it has no planar scans or if that is requested. */
 function openChosen(chosen: LogRecord, sensor: string | null, in3d = false): void {
   void open(chosen.id, sensor, false, in3d || chosen.clouds > 0 ? "" : null);
 }
@@ -188,7 +188,7 @@ function Page() {
   return <Opening now={opening.value} what="Opening the log" onCancel={cancelOpening} />;
 }
 
-/** The page of a lecturer, or of a visitor without a class; followers see the maps of logs only. */
+/** The page of a lecturer or of a visitor without a class. Followers see only the maps of logs. */
 function Own() {
   const { session, kind } = place.value;
   const isMapOfLog = link === null && session !== null && !kind;

@@ -19,7 +19,7 @@ export function followMaking(name: string, show: (making: Making | null) => void
       const making = await ask("GET /api/sessions/making/{name}", { name }, { ending: ending.signal });
       if (making) show(making);
     } catch {
-      // The request for the session itself reports that the server does not answer.
+      // The request for the session itself reports a server that does not answer.
     }
     if (ending.signal.aborted) show(null);
     else timer = setTimeout(() => void poll(), POLL_MS);

@@ -4,7 +4,7 @@ import { render } from "preact";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/site/SiteHeader";
 
-/** The answer to an address that has no page. */
+/** The page for an unknown address. */
 function Missing() {
   return (
     <main class="missing-page" id="main" tabIndex={-1}>

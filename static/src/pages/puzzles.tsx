@@ -21,11 +21,11 @@ import {
 import { renderPage } from "./renderPage";
 import { NotOpened } from "./SessionEnded";
 
-/** The token of a shared puzzle; null on the other addresses. */
+/** The token of a shared puzzle; null for other addresses. */
 const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
 const hasList = token === null && followedCode === null;
 
-/** The puzzle of the address: the name of one of the list; "" of a shared one or that of the class. */
+/** The puzzle in the address: the name of one of the list; "" for a shared one or that of the class. */
 const chosen = signal<string | null>(hasList ? new URLSearchParams(location.search).get("puzzle") : "");
 const session = signal<string | null>(null);
 const failure = signal<string | null>(null);
@@ -42,7 +42,7 @@ async function nameListed(): Promise<void> {
   await fetchList().catch(() => undefined); // they are only named: the puzzle itself is what has to be there
 }
 
-/** Begin an attempt at a puzzle; a failure that may pass stays in view until a later try succeeds. */
+/** Start an attempt at a puzzle. A temporary failure is shown until a later attempt succeeds. */
 async function begin(name: string, isRepeated = false): Promise<void> {
   void nameListed();
   ending?.abort();
@@ -133,7 +133,7 @@ function Page() {
   );
 }
 
-// A follower who solves a puzzle does not follow meanwhile; "Back to the class" ends that.
+// A follower who solves a puzzle does not follow the class until "Back to the class".
 const room = followedCode === null ? null : classroom.peek();
 if (room) {
   room.own.value = "puzzle";

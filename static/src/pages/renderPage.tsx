@@ -12,7 +12,7 @@ interface PageProps {
   readonly hasClass?: boolean;
 }
 
-/** Show a page: `content` below the header, with what is asked and told over it. */
+/** Show a page: `content` below the header, with dialogs and notices over it. */
 export function renderPage(content: ComponentChild, { current, links = true, hasClass = true }: PageProps): void {
   render(
     <>

@@ -32,20 +32,20 @@ const firstCamera = new FirstCamera();
 const clouds = new ClippedClouds();
 const budget = new PointBudget();
 
-/** When the present animation frame began, ms: the same in all of it. */
+/** Start of the present animation frame, ms; constant within it. */
 const frameTime = (): number => Number(document.timeline.currentTime ?? performance.now());
 
 /** The worker of viser's client, once it has a connection. */
 let client: Worker | null = null;
 
-/** Have viser's client draw another frame while the picture lacks points: as after a message that does nothing. */
+/** Make viser's client draw another frame while the picture lacks points, as after a message without effect. */
 function goOn(): void {
   const messages = [{ type: "RunJavascriptMessage", source: "" }];
   if (client && budget.lacks)
     client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
 }
 
-/** Of the canvas, until there is something of ours in it. */
+/** Of the canvas, until it contains points drawn here. */
 const hiding = new CSSStyleSheet();
 hiding.replaceSync("canvas { visibility: hidden !important }");
 document.adoptedStyleSheets = [...document.adoptedStyleSheets, hiding];
@@ -56,7 +56,7 @@ function show(isShown: boolean): void {
   frameElement?.dispatchEvent(new CustomEvent("scene", { detail: isShown }));
 }
 
-/** A frame that only adds points to the picture draws nothing else on the canvas, and does not clear it. */
+/** A frame that only adds points draws nothing else on the canvas and does not clear it. */
 const gl = WebGL2RenderingContext.prototype;
 const { clear, drawArrays, drawArraysInstanced, drawElements, drawElementsInstanced } = gl;
 let size = "";
@@ -70,7 +70,7 @@ function skips(context: WebGL2RenderingContext): boolean {
 gl.clear = function clearAll(mask): void {
   if (!skips(this)) clear.call(this, mask);
 };
-// Three.js draws a cloud by one call.
+// Three.js draws a cloud with one call.
 gl.drawArrays = function draw(mode, first, count): void {
   if (mode === this.POINTS) {
     const slice = budget.take(count, frameTime());
@@ -106,7 +106,7 @@ function expand({ data, currentTarget }: WorkerMessage): void {
   if (data?.messages?.some(({ type }) => !type?.startsWith("Gui"))) budget.changed();
   camera.take(data?.messages ?? []);
   firstCamera.take(data?.messages ?? []);
-  // The client works messages off in the frame after their arrival.
+  // The client processes messages in the frame after their arrival.
   if (waiting.isTold(data?.messages ?? [], firstCamera.isKnown, camera.isMoved)) {
     requestAnimationFrame(() => requestAnimationFrame(() => show(true)));
   }
@@ -117,7 +117,7 @@ function expand({ data, currentTarget }: WorkerMessage): void {
   }
 }
 
-/** What the tab keeps; null if the browser forbids it. */
+/** The state stored by the tab; null if the browser forbids it. */
 const storage = (() => {
   try {
     return sessionStorage;
@@ -147,11 +147,11 @@ window.Worker = class extends window.Worker {
   }
 };
 
-// The client posts the camera after the frame that shows it moved, which is to be a quick one already.
+// The client posts the camera after the frame with its motion, which should already be a fast one.
 addEventListener("pointerdown", () => budget.hold(true), true);
 for (const end of ["pointerup", "pointercancel", "blur"]) addEventListener(end, () => budget.hold(false), true);
 addEventListener("wheel", () => budget.moved(), { capture: true, passive: true });
-/** On a view that is hidden nobody can act: its camera moves as the server tells it to. */
+/** In a hidden view nobody can act: its camera moves as the server requests. */
 const acted = (): void => {
   if (hiding.disabled) camera.acted();
 };
@@ -164,7 +164,7 @@ const WITHOUT_WEBGL =
   "This browser does not offer WebGL 2, with which the 3D view is drawn. Turn on hardware acceleration in the " +
   "browser’s settings, or open the page in another browser.";
 
-/** Stop before the client begins, and show a sentence in the colours that the address asks for. */
+/** Stop before the client starts, and show a sentence in the colours requested by the address. */
 function showSentence(sentence: string): void {
   window.stop();
   const text = Object.assign(document.createElement("p"), { textContent: sentence });

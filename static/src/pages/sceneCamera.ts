@@ -1,4 +1,4 @@
-/** The camera of a 3D view: whether a person has moved it, and where, which this tab keeps for each session. */
+/** The camera of a 3D view: whether a person has moved it, and its pose, which this tab stores for each session. */
 
 import type { ShownCamera as Camera } from "../wire/http";
 
@@ -8,7 +8,7 @@ const isVector = (value: unknown): value is Camera["position"] =>
 /** The session of a 3D view at an address, `/scenes/ID/…`. */
 const keyOf = (path: string): string => `gridbloom.camera.${path.split("/")[2]}`;
 
-/** The query with which viser's client begins where the camera of this session was; null if that is not known. */
+/** The query that starts viser's client at the stored camera of this session; null if there is none. */
 export function keptQuery(storage: Storage, { pathname, search }: Location): string | null {
   const camera = keptCamera(storage, pathname);
   if (!camera) return null;
@@ -19,7 +19,7 @@ export function keptQuery(storage: Storage, { pathname, search }: Location): str
   return `?${query}`;
 }
 
-/** Where a person has moved the camera of the session of a 3D view at an address; null if nobody has. */
+/** The camera to which a person moved the view of the session at an address; null if nobody has. */
 export function keptCamera(storage: Storage, path: string): Camera | null {
   try {
     const { position, look_at } = (JSON.parse(storage.getItem(keyOf(path)) ?? "{}") ?? {}) as Partial<Camera>;
@@ -35,20 +35,20 @@ interface CameraMessage {
 }
 
 /**
- * Tells apart a camera that a person has moved from one that is where the server told it to be: the server aims only the
- * latter again, for another shape of the picture or other bounds, and the tab keeps only the former.
+ * Distinguishes a camera moved by a person from one placed by the server. The server aims only the latter again, for
+ * another aspect ratio or other bounds, and the tab stores only the former.
  */
 export class MovedCamera {
   readonly #storage: Storage | null;
   readonly #path: string;
   #isMoved: boolean;
-  /** Whether the server knows, in the present connection, that it is moved. */
+  /** Whether the server knows, in the present connection, that the camera was moved. */
   #isReported = false;
-  /** Whether a person has dragged, turned the wheel or pressed a key since the server told a place. */
+  /** Whether a person has dragged, turned the wheel or pressed a key since the server last placed the camera. */
   #hasActed = false;
   #last = "";
 
-  /** `isMoved`: the view begins with a camera of its own. `storage` is null where the browser forbids it. */
+  /** `isMoved`: the view starts with a stored camera. `storage` is null if the browser forbids it. */
   constructor(storage: Storage | null, path: string, isMoved: boolean) {
     this.#storage = storage;
     this.#path = path;
@@ -60,7 +60,7 @@ export class MovedCamera {
     return this.#isMoved;
   }
 
-  /** A person does what may move the camera. */
+  /** A person acts in a way that may move the camera. */
   acted(): void {
     this.#hasActed = true;
   }
@@ -70,7 +70,7 @@ export class MovedCamera {
     this.#isReported = false;
   }
 
-  /** Messages of viser's server, which may tell the camera a place. */
+  /** Messages of viser's server, which may place the camera. */
   take(messages: readonly CameraMessage[]): void {
     if (!messages.some(({ type, initial }) => type === "SetCameraPositionMessage" && !initial)) return;
     this.#isMoved = this.#isReported = this.#hasActed = false;
@@ -92,22 +92,22 @@ export class MovedCamera {
   }
 }
 
-/** The messages of viser's server that say where a camera is at first. */
+/** The messages of viser's server with the initial camera. */
 const FIRST = ["SetCameraPositionMessage", "SetCameraLookAtMessage", "SetCameraUpDirectionMessage"];
 
 /**
- * Gives viser's client the messages about its first camera together. It moves the camera there when the first of them
- * has come: what comes in a later batch changes nothing, and the camera stays at a place that nobody chose.
+ * Passes the messages with the initial camera to viser's client together. The client moves the camera when the first of
+ * them arrives; those in a later batch have no effect, and the camera would stay at an arbitrary place.
  */
 export class FirstCamera {
   readonly #held = new Map<string, CameraMessage>();
 
-  /** Whether the client has been given all of them. */
+  /** Whether the client has received all of them. */
   get isKnown(): boolean {
     return this.#held.size === FIRST.length;
   }
 
-  /** Take them out of a batch until all of them are known. */
+  /** Remove them from a batch until all of them are known. */
   take(messages: CameraMessage[]): void {
     if (this.isKnown) return;
     for (const message of [...messages]) {

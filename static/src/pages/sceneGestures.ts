@@ -1,6 +1,6 @@
 /**
- * Gestures that a 3D view has beside those of viser's client: with Shift or the middle button a drag moves the view, and
- * the wheel and two fingers zoom at where they are.
+ * Gestures of a 3D view in addition to those of viser's client: a drag with Shift or the middle button moves the view,
+ * and the wheel and two fingers zoom at their position.
  */
 
 const [LEFT, MIDDLE, RIGHT] = [0, 1, 2] as const;
@@ -8,8 +8,8 @@ const [LEFT, MIDDLE, RIGHT] = [0, 1, 2] as const;
 const RIGHT_PRESSED = 2;
 
 /**
- * Have the camera's controls take a drag with the middle button, or with the left one and Shift, for one with the right
- * button, which moves the view: as in RViz.
+ * Make the camera's controls treat a drag with the middle button, or with the left one and Shift, as one with the right
+ * button, which moves the view as in RViz.
  */
 export function addGestures(target: EventTarget): void {
   let moves = false;
@@ -35,8 +35,8 @@ export function addGestures(target: EventTarget): void {
 }
 
 /**
- * Have the objects that are made with a property `dollyToCursor` begin with it on. Those are the controls of the camera
- * in viser's client (camera-controls), which has no setting for it and zooms at the middle of the picture.
+ * Make objects that are created with a property `dollyToCursor` start with it enabled. These are the camera controls of
+ * viser's client (camera-controls), which has no setting for it and zooms at the centre of the picture.
  */
 export function zoomAtCursor(prototype: object): void {
   Object.defineProperty(prototype, "dollyToCursor", {

@@ -1,4 +1,4 @@
-/** Whether viser's client has been told the scene of its present connection: before, it draws axes of its own. */
+/** Whether viser's client has received the scene of its present connection; before that it draws its own axes. */
 
 interface ToldMessage {
   readonly type?: string;
@@ -16,7 +16,7 @@ export class UntilTold {
   #isAimed = false;
   #isDone = false;
 
-  /** The client has a connection, for which it makes its own first scene again. */
+  /** The client has a connection, for which it creates its initial scene again. */
   connected(): void {
     this.#hasAxes = this.#isAimed = this.#isDone = false;
   }

@@ -4,12 +4,12 @@ import type { Store } from "../store/store";
 /** The map's version before its first tiles arrive. */
 const EMPTY_MAP = 1;
 
-/** Whether a store has received a map and where the robot is. */
+/** Whether a store has received a map and the robot's pose. */
 export const hasPicture = (store: Store): boolean => store.isReady.value && store.mapVersion.value > EMPTY_MAP;
 
 /**
  * The store that the pictures of a page show: `first`, which sends nothing, until the `live` one has a picture. If the
- * user has sent the robot somewhere meanwhile, the live one does it then. Without `first` always the live one.
+ * user has teleported the robot meanwhile, the live one does so then. Without `first` always the live one.
  */
 export function shownStore(live: ReadonlySignal<Store | null>, first: Store | null): ReadonlySignal<Store | null> {
   if (!first) return live;

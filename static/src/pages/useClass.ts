@@ -8,12 +8,12 @@ interface Options {
   readonly page: SessionPage;
   /** The id of the open group of controls. */
   readonly group: Signal<string>;
-  /** The groups that a follower's page has; all without them. */
+  /** The groups of a follower's page; all if omitted. */
   readonly groups?: readonly string[];
 }
 
 /**
- * Take part in a class with a session; returns whether the page follows the lecturer, or shows what was last seen of a
+ * Take part in a class with a session. Returns whether the page follows the lecturer, or shows the last state of a
  * class that is over.
  */
 export function useClass(session: Live | null, { page, group, groups }: Options): boolean {

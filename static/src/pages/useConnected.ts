@@ -6,13 +6,13 @@ import { toast } from "../ui/Toast";
 import { exposeHook } from "./debugHook";
 
 interface Options {
-  /** The picture of the map, where the view has one. */
+  /** The picture of the map, if the view has one. */
   readonly picture?: { readonly current: Picture | null };
   /** The title of the page; without one that of the session. */
   readonly title?: string;
 }
 
-/** What is visible without a message: the end of a log. */
+/** What is visible without a message, such as the end of a log. */
 const SILENT = "log.end";
 
 /** A view's connection to its session while the view is shown. The session's notices become toasts. */

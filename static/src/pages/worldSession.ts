@@ -11,7 +11,7 @@ const KEY = "gridbloom.world";
 /** The history of a live world, which only the server interprets. */
 export type Story = History & { readonly world: string; readonly seed: number };
 
-/** The progress of a world that the server replays from its story, and how to cancel it. */
+/** The progress of a world that the server replays from its history, and a function that cancels it. */
 interface Replay {
   readonly work: Work;
   cancel(): void;
@@ -20,7 +20,7 @@ interface Replay {
 /** The replay in progress; null while there is none. */
 export const replay = signal<Replay | null>(null);
 
-/** How long a request for a world has been under way; null at first, and while there is none. */
+/** Duration of a pending request for a world; null at first, and without one. */
 export const starting = signal<Work | null>(null);
 
 /** A request that takes longer shows its progress. */
@@ -29,11 +29,11 @@ const SHOWN_AFTER_MS = 300;
 /** The visitor cancelled the replay. */
 export class CancelledError extends Error {}
 
-/** The server does not make what was requested, also if it is requested again. */
+/** The server will not make this world, even if it is requested again. */
 export class RefusedError extends Error {}
 
 /**
- * Request a new live world from the server, or one replayed from a story; returns the id of its session. With reduced
+ * Request a new live world from the server, or one replayed from a history. Returns the id of its session. With reduced
  * motion, or if `isPaused`, the world is paused. Throws {@link CancelledError} if the visitor cancels the replay, and
  * {@link RefusedError} if the server will never make the world.
  */
@@ -55,7 +55,7 @@ export async function createWorld(story?: Story, isPaused = false): Promise<stri
   }
 }
 
-/** Wait for a request, and show in {@link starting} how long it has taken. */
+/** Wait for a request, and show its duration in {@link starting}. */
 async function timed<T>(request: () => Promise<T>): Promise<T> {
   const began = performance.now();
   const clock = setInterval(() => {
@@ -86,10 +86,10 @@ function storage(): Storage | null {
   }
 }
 
-/** Whether this tab has had a live world: it goes on with that one if the server still has it. */
+/** Whether this tab has had a live world, which it continues if the server still has it. */
 export const hadWorld = (): boolean => Boolean(storage()?.getItem(KEY));
 
-/** The session id of this tab's live world: the previous one if the server still has it, else a new one. */
+/** The session id of this tab's live world: the previous one if the server still has it, otherwise a new one. */
 export async function worldSession(): Promise<string> {
   const before = storage()?.getItem(KEY);
   if (before) {

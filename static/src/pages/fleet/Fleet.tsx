@@ -39,10 +39,10 @@ import {
 } from "./fleetLogs";
 
 const SAMPLE = "sample-office";
-/** Time between two questions whether the sample was made. */
+/** Interval of the requests that ask whether the sample is ready. */
 const AGAIN_MS = 1000;
 
-/** What stands here while there are no logs: what the page does, and the sample as an example of its cards. */
+/** Shown while there are no logs: what the page does, with the sample as an example of its cards. */
 function FleetStart() {
   return (
     <section class="fleet-start" aria-label="Without logs">
@@ -109,7 +109,7 @@ function Example() {
 
 const metres = (cells: number, resolution: number): string => `${Math.max(1, Math.round(cells * resolution))}`;
 
-/** One log: its map, or why there is none. */
+/** One log: its map, or the reason why it has none. */
 function FleetCard({ log }: { log: FleetLog }) {
   return (
     <li class={`card fleet-card ${log.state}`}>
@@ -189,14 +189,14 @@ function State({ log }: { log: FleetLog }) {
   return <p class="quiet">{STATES[log.state]}</p>;
 }
 
-/** Cards that are shown at first, and with each press of "Show more". */
+/** Number of cards shown at first and added by each press of "Show more". */
 const PAGE = 120;
 
 const quietly = (work: Promise<void>): void => {
   work.catch((error: Error) => toast(error.message));
 };
 
-/** All logs, each read, examined and mapped once, and a wall of their maps. */
+/** All logs, each read, examined and mapped once, as a grid of maps. */
 export function Fleet() {
   useEffect(watchFleet, []);
   const [wanted, setWanted] = useState(EVERY);
@@ -288,7 +288,7 @@ export function Fleet() {
   );
 }
 
-/** How far it is, and what can be done. */
+/** Progress, and the possible actions. */
 function Work({ all }: { all: Counts }) {
   const total = totalOf(all);
   const ended = all.done + all.failed;

@@ -18,7 +18,7 @@ const NUMBERS = [
   { name: "time_offset", label: "Time offset (s)", low: -2, high: 2, step: 0.01, per: 1 },
 ] as const;
 
-/** How all logs are read and mapped where not as by default: the options of `gridbloom fleet`. */
+/** Options for reading and mapping all logs, as of `gridbloom fleet`. */
 export function FleetOptions({
   isBusy,
   onMap,

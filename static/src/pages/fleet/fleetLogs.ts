@@ -1,15 +1,15 @@
-/** The logs of the fleet as the service tells them, and which of them are shown in what order. */
+/** The logs of the fleet from the service, and the selection and order of those shown. */
 
 import { signal } from "@preact/signals";
 import { plural } from "../../ui/numbers";
 import { ask, whyAgain } from "../../wire/ask";
 import type { ClusterState, FleetFacts, FleetFinding, FleetLog, FleetOptions, FleetState } from "../../wire/http";
 
-/** Time between two requests while logs are being mapped, and while none are. */
+/** Interval of requests while logs are being mapped, and otherwise. */
 const BUSY_MS = 700;
 const IDLE_MS = 5000;
 
-/** The logs by id; null until they were first fetched. */
+/** The logs by id; null before the first answer. */
 export const fleetLogs = signal<ReadonlyMap<string, FleetLog> | null>(null);
 export const counts = signal<Counts>({ none: 0, queued: 0, running: 0, done: 0, failed: 0 });
 export const workers = signal(1);
@@ -34,12 +34,12 @@ async function refresh(): Promise<void> {
     workers.value = answer.workers;
     cluster.value = answer.cluster;
     fleetError.value = null;
-    // A log that was added or is gone: all of them are asked for.
+    // A log was added or deleted: all are requested.
     revision = next.size === totalOf(answer.counts) ? answer.revision : 0;
     again = isBusy(answer.counts) ? BUSY_MS : IDLE_MS;
   } catch (error) {
     fleetError.value = whyAgain(error);
-    revision = 0; // the service may be another one now
+    revision = 0; // the service may have been replaced by another
   }
   if (isWatched) timer = setTimeout(() => void refresh(), document.hidden ? 5 * again : again);
 }
@@ -55,8 +55,8 @@ export function watchFleet(): () => void {
 }
 
 /**
- * Map what was not mapped yet; `again`: also what failed; with `options` also what was mapped with other ones. Rejects
- * with the server's sentence.
+ * Map the logs that have no map; with `again` also those that failed; with `options` also those mapped with others.
+ * Rejects with the server's sentence.
  */
 export async function mapAll(again: boolean, options: FleetOptions | null = null): Promise<void> {
   const asked = ask("POST /api/fleet", {}, { body: { again, options } });
@@ -65,7 +65,7 @@ export async function mapAll(again: boolean, options: FleetOptions | null = null
   await refresh();
 }
 
-/** Map no more. Rejects with the server's sentence. */
+/** Stop mapping. Rejects with the server's sentence. */
 export async function stopMapping(): Promise<void> {
   await ask("DELETE /api/fleet", {});
   await refresh();
@@ -77,20 +77,20 @@ export type Counts = FleetState["counts"];
 type Cluster = ClusterState;
 type FleetAnswer = FleetState;
 
-/** The logs after an answer: those of an earlier one with what has changed. */
+/** The logs after an answer: the earlier ones with the changes. */
 export function merged(known: ReadonlyMap<string, FleetLog> | null, answer: FleetAnswer): Map<string, FleetLog> {
   const next = new Map(answer.whole ? [] : (known ?? []));
   for (const log of answer.logs) next.set(log.id, log);
   return next;
 }
 
-/** Where logs are mapped, and how many at once. */
+/** Where logs are mapped, and how many at the same time. */
 export function placeOf(cluster: Cluster | null, workers: number): string {
   if (cluster === null) return `On this server, ${plural(workers, "log")} at once.`;
   return `On a Dask cluster with ${plural(cluster.workers, "worker")}, ${plural(cluster.threads, "log")} at once.`;
 }
 
-/** What keeps the cluster from mapping, and what happens to the logs; null where it is well. */
+/** What prevents the cluster from mapping, and what happens to the logs; null if nothing does. */
 export function troubleOf(cluster: Cluster | null, all: Counts): string | null {
   if (cluster === null || cluster.error === "") return null;
   if (cluster.threads > 0 || all.queued + all.running === 0) return cluster.error;
@@ -139,7 +139,7 @@ const FINDINGS: Readonly<Record<string, string>> = {
   "walls.moving": "moving things",
 };
 
-/** The first findings of the logs, by name, each with the number of its logs, as options of a choice. */
+/** The first findings of the logs by name, each with its number of logs, as options of a menu. */
 export function firstFindings(logs: Iterable<FleetLog>): readonly { readonly value: string; readonly label: string }[] {
   const counts = new Map<string, number>();
   for (const { facts } of logs) {
@@ -197,8 +197,8 @@ const isWanted = ({ facts }: FleetLog, { drift, finding }: Wanted): boolean =>
   (drift === 0 || (facts?.drift_m ?? 0) >= drift) && (finding === ANY || facts?.findings[0]?.check === finding);
 
 /**
- * The logs to be shown, in order. By name each keeps its place while it is mapped; in another order those without a map
- * come last.
+ * The logs to be shown, in order. Sorted by name, each keeps its place while it is mapped; in another order those
+ * without a map come last.
  */
 export function chosen(logs: Iterable<FleetLog>, wanted: Wanted, order: Order): FleetLog[] {
   const words = wanted.words.toLowerCase().split(/\s+/).filter(Boolean);

@@ -27,7 +27,7 @@ function useKeys(store: Store | null): void {
   }, [store]);
 }
 
-/** What is needed at first: play, step, reset, and the choice of the world. */
+/** The first controls: play, step, reset, and the choice of the world. */
 export function Controls({ store }: { readonly store: Store | null }) {
   useKeys(store);
   const world = store?.world.value;
@@ -84,7 +84,7 @@ const STATUS_LABELS: Readonly<Record<Status, string>> = {
 export function Connected({ connection }: { readonly connection: Connection | null }) {
   const now = connection?.status.value ?? "connecting";
   const trouble = connection?.trouble.value ?? null;
-  // A server that keeps the connection and does not answer is as one that is reached again and again.
+  // A server that keeps the connection but does not answer is treated as one to which the page reconnects repeatedly.
   const shown = now === "live" && trouble !== null ? "reconnecting" : now;
   return (
     <span class={`lab-status ${shown}`} role="status">

@@ -1,4 +1,4 @@
-/** The other map of a comparison in a view of its own: of the same readings, without the faults. */
+/** The other map of a comparison in a separate view: the same readings without the faults. */
 
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";

@@ -1,6 +1,6 @@
 /**
- * The groups of the lab's dock, by what one does there: its first section maps, the others follow the parts of the
- * lecture. A new group is one entry of `GROUPS`; those of the parts are in their folders.
+ * The groups of the lab's dock. The first section is about mapping, the others follow the parts of the lecture. A new
+ * group is one entry of `GROUPS`; those of the parts are in their folders.
  */
 
 import type { Signal } from "@preact/signals";
@@ -139,7 +139,7 @@ function SensorSettings({ store }: SettingsProps) {
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8].map((speed) => ({ value: String(speed), label: `${speed}×` }));
 
-/** What changes the world and how the robot goes through it. */
+/** Controls of the world and of the robot's motion. */
 function WorldGroup({ store }: { readonly store: Store }) {
   const off = !store.isReady.value;
   const auto = store.auto.value;
@@ -180,9 +180,9 @@ const MovingTable = lazy(async () => (await import("../../tools/table/MovingTabl
 const ClickChoice = lazy(async () => (await import("../../tools/map3d/ClickChoice")).ClickChoice);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
-/** What the groups show. */
+/** What the groups display. */
 interface LabView {
-  /** The layout of the stage; null for who follows another's lab. */
+  /** The layout of the stage; null for a follower of another lab. */
   readonly layout: Signal<Layout> | null;
   readonly store: Store;
   readonly session: string;
@@ -193,9 +193,9 @@ interface LabView {
 interface Group {
   readonly id: string;
   readonly title: string;
-  /** The section that it shares with the groups beside it. */
+  /** The section that it shares with neighbouring groups. */
   readonly section: string;
-  /** What the group is for. */
+  /** Its purpose. */
   readonly purpose: string;
   readonly keeps?: boolean;
   readonly isThere?: (view: LabView) => boolean;
@@ -203,7 +203,7 @@ interface Group {
   readonly content: (view: LabView) => ComponentChildren;
 }
 
-/** The number of parameters of these groups of the table that were changed. */
+/** The number of changed parameters of these groups of the table. */
 const changed =
   (...groups: readonly string[]) =>
   ({ store }: LabView): string | null => {
@@ -308,7 +308,7 @@ const GROUPS: readonly Group[] = [
   },
 ];
 
-/** The groups that this view has, for the dock. */
+/** The groups of the dock in this view. */
 export function groupsOf(view: LabView): readonly DockGroup[] {
   return GROUPS.filter((group) => group.isThere?.(view) ?? true).map(
     ({ id, title, section, purpose, keeps, badge, content }) => ({

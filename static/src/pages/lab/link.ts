@@ -1,6 +1,6 @@
 /**
- * The state of the page in the fragment of its address: the world's story, the view, the pinned and the explained cell,
- * the active faults, the correct map for comparison, the particle filter, and the 3D map.
+ * The state of the page in the fragment of its address: the history of the world, the view, the pinned and the
+ * explained cell, the active faults, the correct map for comparison, the particle filter, and the 3D map.
  */
 
 import type { View } from "../../render/view";
@@ -16,17 +16,17 @@ import type { Story } from "../worldSession";
 /** What the page shows of a world. */
 export interface VisibleState {
   readonly wrong: ActiveFaults;
-  /** The view, if the visitor moved it; null while it shows everything. */
+  /** The view, if the visitor moved it; null for the whole map. */
   readonly view: View | null;
   /** A point in the pinned cell. */
   readonly pinned: Point | null;
-  /** A point in the explained cell, and the selected update of it; null for the newest. */
+  /** A point in the explained cell, and its selected update; null for the newest. */
   readonly why: { readonly at: Point; readonly touch: number | null } | null;
-  /** Parameters of the correct map that differ from the map's; null while it is not shown. */
+  /** Parameters of the correct map that differ from those of the map; null while it is not shown. */
   readonly right: Values | null;
-  /** The particle filter that localizes the robot; null while there is none. It begins again, anywhere. */
+  /** The particle filter that localizes the robot; null if there is none. It restarts with random poses. */
   readonly filter: { readonly values: Values; readonly map: string; readonly field: boolean } | null;
-  /** Parameters of the 3D map and its sensor; null while there is none. It begins again, empty. */
+  /** Parameters of the 3D map and its sensor; null if there is none. It restarts empty. */
   readonly map3d: Values | null;
 }
 
@@ -34,11 +34,11 @@ export interface LinkState extends VisibleState {
   readonly story: Story;
 }
 
-/** Whether the address names neither a session nor a state: a new world is begun. */
+/** Whether the address names neither a session nor a state, so that a new world is created. */
 export const namesNoWorld = (): boolean =>
   !new URLSearchParams(location.search).has("session") && !location.hash.startsWith("#s=");
 
-/** Pack into the letters of an address. */
+/** Encode as the characters of an address. */
 export const packLink = (shown: LinkState): Promise<string> => pack(shown);
 
 const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
@@ -51,7 +51,7 @@ const isValue = (value: unknown): value is Value => typeof value !== "object" &&
 const isValues = (values: unknown): values is Values =>
   typeof values === "object" && values !== null && Object.values(values).every(isValue);
 
-/** Unpack; null if the text is invalid or incomplete. */
+/** Decode; null if the text is invalid or incomplete. */
 export async function unpackLink(letters: string): Promise<LinkState | null> {
   try {
     const { story, wrong, view, pinned, why, right, filter, map3d } = (await unpack(letters)) as Partial<LinkState>;
@@ -75,7 +75,7 @@ export async function unpackLink(letters: string): Promise<LinkState | null> {
   }
 }
 
-/** What the page shows of the world now. */
+/** What the page currently shows of the world. */
 export function visibleState(store: Store): VisibleState {
   const at = store.explainedPoint.peek();
   const compared = store.compared.peek();
@@ -98,7 +98,7 @@ export function visibleState(store: Store): VisibleState {
   };
 }
 
-/** The current state: the world's story and what the page shows of it. Throws if the server does not answer. */
+/** The current state: the history of the world and the view. Throws if the server does not answer. */
 export async function currentLinkState(id: string, store: Store): Promise<LinkState> {
   const story = await ask("GET /api/sessions/{session_id}/story", { session_id: id });
   return { story, ...visibleState(store) };
@@ -107,11 +107,11 @@ export async function currentLinkState(id: string, store: Store): Promise<LinkSt
 /** The fragment of an address. */
 export const fragmentOf = async (shown: LinkState): Promise<string> => `#s=${await packLink(shown)}`;
 
-/** The group of the dock that an address names, which is open at first; the model's if it names none. */
+/** The group of the dock that is open at first: the one named by the address, else the model's. */
 export const groupFromAddress = (fragment: string = location.hash): string =>
   new URLSearchParams(fragment.replace(/^#/, "")).get("group") ?? "model";
 
-/** The state in the address of this page; null if there is none. */
+/** The state in the address of this page; null if it has none. */
 export async function linkFromAddress(fragment: string = location.hash): Promise<LinkState | null> {
   const letters = new URLSearchParams(fragment.replace(/^#/, "")).get("s");
   return letters ? unpackLink(letters) : null;

@@ -7,7 +7,7 @@ import { ask, RequestError } from "../../wire/ask";
 import { CancelledError, createWorld, RefusedError } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
-/** The session that the lab shows, and a notice on how it was opened. */
+/** The session that the lab shows, and a notice about how it was opened. */
 export interface Opened {
   readonly id: string;
   readonly notice: string | null;
@@ -15,16 +15,16 @@ export interface Opened {
   readonly shown: LinkState | null;
 }
 
-/** Delay from a change to the update of the address. */
+/** Delay between a change and the update of the address. */
 const SETTLE_MS = 400;
-/** The address follows a world that plays each time so many seconds of the world have passed. */
+/** The address follows a playing world at this interval of simulated time, seconds. */
 const FOLLOW_S = 10;
 
 const address = (id: string): string => `/lab.html${withLayout(new URLSearchParams({ session: id }))}`;
 
 /**
- * Open the session that the address names; if it has ended, a copy of the world described in the address, paused if
- * `isPaused`, else a new world. Throws if none can be opened now; the address then still describes the world.
+ * Open the session that the address names. If it has ended, open a copy of the world described in the address, paused
+ * if `isPaused`, otherwise a new world. Throws if none can be opened; the address still describes the world.
  */
 export async function openSession(isPaused = false): Promise<Opened> {
   const wanted = new URLSearchParams(location.search).get("session");
@@ -61,7 +61,7 @@ export async function openSession(isPaused = false): Promise<Opened> {
   return { id, notice, shown: null };
 }
 
-/** Restore the state of a link; what needs the server is restored when the connection is ready. */
+/** Restore the state of a link. What needs the server is restored when the connection is ready. */
 export function restore(store: Store, shown: VisibleState): void {
   store.activeFaults.value = shown.wrong;
   if (shown.view) store.setView(shown.view);
@@ -99,7 +99,7 @@ export function keepAddress(id: string, store: Store): () => void {
       const fragment = await fragmentOf(await currentLinkState(id, store));
       if (!stopped && version === newest) history.replaceState(null, "", address(id) + fragment);
     } catch {
-      // The server does not answer: the page reports that elsewhere, and the next change updates the address.
+      // If the server does not answer, the page reports it elsewhere, and the next change updates the address.
     }
   };
   const stop = effect(() => {
@@ -128,7 +128,7 @@ export function keepAddress(id: string, store: Store): () => void {
 /** The address of this live session. */
 export const liveAddress = (id: string): string => new URL(address(id), location.href).href;
 
-/** The address that opens a copy of the current state in a new session, at any time. */
+/** The address that opens a copy of the current state in a new session at any time. */
 export async function snapshotAddress(id: string, store: Store): Promise<string> {
   return new URL(
     `/lab.html${withLayout(new URLSearchParams())}${await fragmentOf(await currentLinkState(id, store))}`,

@@ -1,4 +1,4 @@
-/** The views that the stage of the lab can show: two maps at first, the true world and what the robot believes. */
+/** The views of the lab's stage; at first the true world and the robot's map. */
 
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -108,7 +108,7 @@ export function Camera({ store, session }: CameraProps) {
   );
 }
 
-/** The newest image, after so many were taken. The next one is asked for when the last one is there. */
+/** The newest image, after `number` images. The next is requested when the last has arrived. */
 export function DepthImage({ session, taken }: { readonly session: string; readonly taken: number }) {
   const shown = useSignal(taken);
   const isAwaited = useRef(true);
@@ -136,7 +136,7 @@ const CorrectMap = lazy(async () => (await import("./CorrectMap")).CorrectMap);
 
 export interface LabPictures {
   readonly session: Live | null;
-  /** What the pictures show: the session's store, or a picture from before there is one. */
+  /** What the pictures show: the session's store, or a recording before there is a session. */
   readonly shown: Store | null;
   readonly comparison: Comparison | null;
   /** Called with the picture of the map. */
@@ -149,7 +149,7 @@ interface View {
   readonly content: (pictures: LabPictures, head: ComponentChildren) => ComponentChildren;
 }
 
-/** In the order in which they fill an arrangement. */
+/** In the order in which they fill a layout. */
 const VIEWS: readonly View[] = [
   { kind: "world", title: "The world", content: (pictures, head) => <World {...pictures} head={head} /> },
   { kind: "map", title: "The belief", content: (pictures, head) => <Belief {...pictures} head={head} /> },
@@ -206,7 +206,7 @@ const VIEWS: readonly View[] = [
 
 export const KINDS: readonly string[] = VIEWS.map(({ kind }) => kind);
 
-/** The layout of who has chosen no other. */
+/** The default layout. */
 export const WORLD_AND_MAP: Layout = layoutOf("beside", ["world", "map"]);
 
 export const PRESETS: readonly Preset[] = [

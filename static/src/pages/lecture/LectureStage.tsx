@@ -9,10 +9,10 @@ import "./lectureStage.css";
 
 const sceneInSight = signal<SceneId>("start");
 
-/** The reading line, as a fraction of the height that the stage leaves free. */
+/** The reading line, as a fraction of the height below the stage. */
 const LINE = 0.5;
 
-/** Find the scene in sight; `covered` pixels at the top of the window are behind the stage. */
+/** Find the scene in view; `covered` pixels at the top of the window are behind the stage. */
 function lookForScene(covered: number): void {
   const line = covered + LINE * (innerHeight - covered);
   const places = [...document.querySelectorAll<HTMLElement>("[data-scene]")];
@@ -26,14 +26,14 @@ function lookForScene(covered: number): void {
 
 const scene = computed(() => SCENES[sceneInSight.value]());
 
-/** The stage beside the text; on narrow screens a strip above it. */
+/** The stage beside the text, or above it as a strip on narrow screens. */
 export function LectureStage() {
   const root = useRef<HTMLElement>(null);
   useEffect(
     () =>
       onScroll(() => {
         const box = root.current?.getBoundingClientRect();
-        // A strip covers the top of the text; beside the text it covers nothing.
+        // A strip covers the top of the text; a stage beside the text covers nothing.
         lookForScene(box && box.width > 0.7 * innerWidth ? Math.max(0, box.bottom) : 0);
       }),
     [],

@@ -13,7 +13,7 @@ import { useFittedFigure } from "./present/useFittedFigure";
 import { SHORT, type SourceName } from "./sources";
 
 interface LazyFigureProps {
-  /** Render it now, wherever it is. */
+  /** Render the figure immediately, wherever it is. */
   readonly now: boolean;
   readonly children: ComponentChildren;
 }
@@ -37,7 +37,7 @@ function LazyFigure({ now, children }: LazyFigureProps) {
   );
 }
 
-/** The puzzle about the fault that a section explains. */
+/** The puzzle about the fault that this section explains. */
 const PUZZLES: Readonly<Record<string, readonly [name: string, title: string]>> = {
   endpoint: ["integers", "Right in one corner"],
   forgetting: ["ghost", "Detours"],
@@ -52,7 +52,7 @@ const PUZZLES: Readonly<Record<string, readonly [name: string, title: string]>> 
   window: ["thick", "The thick walls"],
 };
 
-/** What the list of sections gives to each. */
+/** Properties that the list of sections passes to each. */
 export interface SectionHead {
   readonly id: string;
   readonly number: number;
@@ -61,10 +61,10 @@ export interface SectionHead {
 
 interface SectionProps extends SectionHead {
   readonly figure: ComponentChildren;
-  /** The text before the figure, and after it. */
+  /** The text before and after the figure. */
   readonly children: ComponentChildren;
   readonly after?: ComponentChildren;
-  /** A guess about the figure, below it; slides have questions of their own. */
+  /** A prediction about the figure, below it; slides have separate questions. */
   readonly predict?: ComponentChildren;
   readonly sources: readonly (SourceName | readonly [SourceName, string])[];
 }
@@ -127,7 +127,7 @@ export function Section({ id, number, title, figure, children, after, predict, s
   );
 }
 
-/** "section 4", as a link to it: the number is that of the section's place now. */
+/** "section 4" as a link; the number is that of the section's present position. */
 export function SectionLink({ to, capital = false }: { readonly to: LessonId; readonly capital?: boolean }) {
   const number = LESSONS.findIndex(({ id }) => id === to) + 1;
   return (
@@ -141,11 +141,14 @@ interface OnStageProps {
   readonly scene: SceneId;
   /** Description for screen readers. */
   readonly label: string;
-  /** Controls of the scene, and what it says in numbers. */
+  /** Controls of the scene, and its numbers. */
   readonly children?: ComponentChildren;
 }
 
-/** A figure whose picture is the stage; on a slide and in print, where no stage is, it contains the picture. */
+/**
+ * A figure whose picture is the stage. On a slide and in print, where there is no stage, the figure contains the
+ * picture.
+ */
 export function OnStage({ scene, label, children }: OnStageProps) {
   const now = useMemo(() => computed(() => SCENES[scene]()), [scene]);
   return (
@@ -156,13 +159,13 @@ export function OnStage({ scene, label, children }: OnStageProps) {
   );
 }
 
-/** The figure of a section whose code is fetched after the first ones; empty on a slide until then. */
+/** The figure of a section whose code loads after the first ones; empty on a slide until then. */
 export function LaterFigure({ id }: { readonly id: LaterId }) {
   const Figure = later.value?.[id].figure;
   return Figure ? <Figure /> : <figure aria-busy="true" />;
 }
 
-/** The figure in the text after the figure of such a section. */
+/** The figure in the text after such a section's figure. */
 export function LaterMore({ id }: { readonly id: LaterId }) {
   const More = later.value?.[id].more;
   return <div class="lesson-more">{More && <More />}</div>;

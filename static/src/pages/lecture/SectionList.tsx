@@ -6,7 +6,7 @@ import { LECTURE_PARTS, LESSONS } from "./lessons";
 import { sectionInSight } from "./present/state";
 import "./sectionList.css";
 
-/** The list of sections with the visible one marked, in a bar that unfolds. */
+/** The list of sections in a bar that unfolds, with the visible section marked. */
 export function SectionList() {
   const id = useId();
   const root = useRef<HTMLElement>(null);

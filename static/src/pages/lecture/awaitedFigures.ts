@@ -1,17 +1,17 @@
 /**
- * The figures of the lecture that are not rendered yet. Those near the window are rendered before the window's next
- * frame is painted, so that no figure that is in view changes its height; the others one by one when the page is idle.
+ * The figures of the lecture that are not rendered yet. Those near the window are rendered before the next frame is
+ * painted, so that no figure in view changes its height; the others one by one when the page is idle.
  */
 
 import { whenIdle } from "../../ui/browser/whenIdle";
 
-/** Time without input before the next task is run. */
+/** Time without input before the next task runs. */
 const IDLE_MS = 50;
 
 const waiting = new Set<() => void>();
 let stop: (() => void) | null = null;
 
-/** Run a task when the browser is idle, or at once if it has no requestIdleCallback. */
+/** Run a task when the browser is idle, or immediately if it has no requestIdleCallback. */
 const whenBrowserIdle = (task: () => void): void => {
   if ("requestIdleCallback" in window) requestIdleCallback(task);
   else task();
@@ -45,15 +45,15 @@ export function enqueueIdleTask(task: () => void): () => void {
   };
 }
 
-/** Distance from the window at which a figure is rendered, in heights of the window. */
+/** Distance from the window at which a figure is rendered, in window heights. */
 const AHEAD = 1;
 
 const awaited = new Map<HTMLElement, () => void>();
 
-/** Of a hidden figure, as all but one are in the presentation mode, the box has no size. */
+/** A hidden figure has a box without size; in the presentation all but one are hidden. */
 const isShown = (box: HTMLElement): boolean => box.offsetWidth > 0;
 
-/** Render the awaited figures near the window. */
+/** Render the figures near the window. */
 export function renderNearFigures(): void {
   for (const [box, render] of awaited) {
     const { top, bottom } = box.getBoundingClientRect();
@@ -64,7 +64,7 @@ export function renderNearFigures(): void {
 addEventListener("scroll", renderNearFigures, { passive: true });
 addEventListener("resize", renderNearFigures, { passive: true });
 
-/** Scroll to a section, with the figures around it rendered: those above it take their height before it is shown. */
+/** Scroll to a section and render the figures around it: those above it get their height before it is shown. */
 export function showSection(id: string): void {
   const section = document.getElementById(id);
   if (!section) return;
@@ -73,7 +73,7 @@ export function showSection(id: string): void {
   queueMicrotask(() => section.scrollIntoView()); // components are rendered in a microtask
 }
 
-/** Have `render` called for a box that is near the window, or when the page is idle; the returned function cancels it. */
+/** Call `render` when a box is near the window or the page is idle. The returned function cancels it. */
 export function awaitFigure(box: HTMLElement, render: () => void): () => void {
   awaited.set(box, render);
   const callOff = enqueueIdleTask(() => isShown(box) && render());

@@ -1,4 +1,4 @@
-/** Formulas that stand in the text of a section. */
+/** Formulas in the text of a section. */
 
 import type { ComponentChildren } from "preact";
 
@@ -81,7 +81,7 @@ export function BayesRule() {
   );
 }
 
-/** 2 / (9 (B − 1)), a part of the number of particles. */
+/** 2 / (9 (B − 1)), a term of the number of particles. */
 const KLD_PART = (
   <mfrac>
     <mn>2</mn>

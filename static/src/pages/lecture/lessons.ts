@@ -1,4 +1,4 @@
-/** The lessons in their order: the anchor of each on the page, and its title. */
+/** The lessons in order, each with its anchor on the page and its title. */
 export const LESSONS = [
   { id: "landmarks", title: "Landmarks or a grid" },
   { id: "grid", title: "A grid and three assumptions" },
@@ -47,7 +47,7 @@ export interface Lesson {
 /** A part of the lecture: consecutive lessons. */
 export interface Part {
   readonly title: string;
-  /** What it is about, in one sentence. */
+  /** Its subject, in one sentence. */
   readonly sentence: string;
   /** Its lessons, with their indices in {@link LESSONS}. */
   readonly lessons: readonly { readonly id: LessonId; readonly title: string; readonly index: number }[];
@@ -83,7 +83,7 @@ export const LECTURE_PARTS: readonly Part[] = PART_STARTS.map(({ title, sentence
   };
 });
 
-/** Sections that were merged into another one: links and decks that name them lead there. */
+/** Sections that were merged into another. Links and decks that name them lead to that section. */
 const MERGED: Readonly<Record<string, LessonId>> = {
   table: "algorithm",
   pipeline: "algorithm",
@@ -91,5 +91,5 @@ const MERGED: Readonly<Record<string, LessonId>> = {
   log: "next",
 };
 
-/** The section that a name in a link or a deck stands for; the name itself where there is none. */
+/** The section that a name in a link or a deck refers to; the name itself if none was merged. */
 export const sectionOf = (name: string): string => MERGED[name] ?? name;

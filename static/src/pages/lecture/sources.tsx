@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 
-/** The lecture's sources, each written once: as the list at its end names it, and short, as a section names it. */
+/** The lecture's sources, each written once: in full for the list at the end, and short for a section. */
 
 export const SHORT = {
   "moravec-elfes": "Moravec and Elfes 1985",

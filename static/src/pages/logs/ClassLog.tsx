@@ -26,7 +26,7 @@ export function followLogs(): void {
   });
 }
 
-/** The page of a follower: the map of the log that the lecturer shows, or a copy of one's own. */
+/** The page of a follower: the map of the log that the lecturer shows, or the follower's own copy. */
 export function ClassLog() {
   const session = live.value;
   if (!session) {
@@ -39,7 +39,7 @@ export function ClassLog() {
   return <SessionOfClass key={session.id} session={session} />;
 }
 
-/** Groups of a page that follows; whose ids are others on the lecturer's page, the open one stays. */
+/** Groups of a following page. Their ids differ from those of the lecturer's page, so that the open one stays. */
 const FOLLOWED = ["settings", "why"];
 
 function SessionOfClass({ session }: { readonly session: Live }) {

@@ -16,14 +16,14 @@ import { followMaking, type Making, newName } from "../making";
 import { SENSOR_SEPARATOR, trajectoryLabel } from "./library/describeLog";
 import "./doctor.css";
 
-/** Whether several poses are all at one place. */
+/** Whether several poses are all at the same place. */
 export function standsStill(poses: readonly Point[]): boolean {
   const first = poses[0];
   return first !== undefined && poses.length > 1 && poses.every(([x, y]) => x === first[0] && y === first[1]);
 }
 
 /**
- * Whether the server certainly examines a log: it refuses one in which no sensor has enough scans. The numbers of the
+ * Whether the server certainly examines a log: it refuses a log in which no sensor has enough scans. The numbers of the
  * single sensors are not known here, but the greatest is at least their mean.
  */
 export function isLongEnough(log: Pick<LogInfo, "n_scans" | "topic"> | null): boolean {
@@ -31,7 +31,7 @@ export function isLongEnough(log: Pick<LogInfo, "n_scans" | "topic"> | null): bo
 }
 
 /**
- * Examine the log of a session; `show` is called with how far that is, and `signal` ends it.
+ * Examine the log of a session. `show` is called with the progress, and `signal` aborts it.
  *
  * Rejects with the server's sentence if it is refused.
  */
@@ -47,15 +47,15 @@ export function examine(
 }
 
 /**
- * What an examination without findings says: of poses in which the robot does not move only that, as drift, delay and
- * mount are judged by readings from different places.
+ * The sentence for an examination without findings. For poses without motion it says only that, because drift, delay
+ * and mount are judged from readings at different places.
  */
 export function wellLabel(poses: string, stands: boolean): readonly [result: string, about: string] {
   if (!stands) return ["No problems found.", `Poses: ${poses}.`];
   return ["No problems found in the readings.", "The poses do not move, so drift, delay and mount cannot be checked."];
 }
 
-/** The certainty of a finding in words. */
+/** The certainty of a finding as text. */
 export function confidenceLabel({ sure, possible }: Pick<FindingAnswer, "sure" | "possible">): string {
   if (possible) return "possible";
   if (sure >= 0.95) return "certain";
@@ -70,25 +70,25 @@ type State =
   | { readonly kind: "done"; readonly examination: DoctorAnswer };
 
 const IDLE_MS = 2000;
-const LASTS_S = 1; // an event that lasts longer is shown with its end
-const FIRST_NOTES = 3; // number of notes that are shown without unfolding
+const LASTS_S = 1; // a longer event is shown with its end
+const FIRST_NOTES = 3; // number of notes shown without unfolding
 
 const CHECKED =
   "the clock, readings at max range, beams that hit the robot, the mount of the sensor, the delay between scans and " +
   "poses, drift, moving objects, and events: pushes, slips, lifts, steps of the clock, and gaps";
 
-/** The examination of a log, which goes on while the doctor's group is closed. */
+/** The examination of a log, which continues while the doctor's group is closed. */
 export interface DoctorState {
   readonly state: Signal<State>;
-  /** How far an examination is; null for none, or before that is known. */
+  /** Progress of an examination; null if there is none, or before it is known. */
   readonly progress: Signal<Making | null>;
   readonly run: () => Promise<void>;
   readonly cancel: () => void;
 }
 
 /**
- * The examination starts when the page is idle; a guest's, and that of a very short log, with the button. A guest has
- * what the link's sender had been told: `given`.
+ * The examination starts when the page is idle; that of a guest and that of a very short log start with the button. A
+ * guest has the findings of the link's sender: `given`.
  */
 export function useDoctor(
   store: Store,
@@ -100,7 +100,7 @@ export function useDoctor(
   const progress = useSignal<Making | null>(null);
   const cancelledOf = useRef<string | undefined>(undefined); // the trajectory whose examination was cancelled
   useSignalEffect(() => {
-    // Another trajectory needs another examination.
+    // Another trajectory needs a new examination.
     const now = store.trajectory.value?.name;
     const before = state.peek();
     if (before.kind === "cancelled" && now !== cancelledOf.current) state.value = { kind: "idle" };
@@ -137,7 +137,7 @@ export function useDoctor(
   return { state, progress, run, cancel };
 }
 
-/** The number of findings and events for the doctor's tab, null where none are known. */
+/** The number of findings and events for the doctor's tab; null if none are known. */
 export function findingsBadge({ state }: DoctorState): string | null {
   const now = state.value;
   if (now.kind !== "done") return null;
@@ -145,15 +145,15 @@ export function findingsBadge({ state }: DoctorState): string | null {
   return count > 0 ? String(count) : null;
 }
 
-/** The events of a log that was examined. */
+/** The events of an examined log. */
 export function eventsOf({ state }: DoctorState): readonly LogEvent[] {
   return state.value.kind === "done" ? state.value.examination.events : [];
 }
 
-/** The check whose finding SLAM remedies. */
+/** The check whose finding SLAM corrects. */
 const DRIFT = "walls.drift";
 
-/** Whether the examination states that the poses in use drift. */
+/** Whether the examination found that the poses in use drift. */
 export function findsDrift({ state }: DoctorState): boolean {
   const now = state.value;
   return now.kind === "done" && now.examination.findings.some(({ check, possible }) => check === DRIFT && !possible);
@@ -166,9 +166,7 @@ interface DoctorProps {
   readonly onCorrectPoses?: () => void;
 }
 
-/**
- * The log doctor: what happened in a log, its problems, where they are, how certain, and what to do about them.
- */
+/** The log doctor: the events of a log, its problems with place, certainty and remedy. */
 export function Doctor({ store, doctor: { state, progress, run, cancel }, onCorrectPoses }: DoctorProps) {
   const now = state.value;
   const hasEvents = now.kind === "done" && now.examination.events.length > 0;
@@ -218,7 +216,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onCorr
   );
 }
 
-/** Kinds of events in a word. */
+/** Kinds of events as a word. */
 const EVENTS: Readonly<Record<LogEvent["kind"], string>> = {
   pushed: "Pushed",
   slipped: "Slipped",
@@ -227,7 +225,10 @@ const EVENTS: Readonly<Record<LogEvent["kind"], string>> = {
   gap: "Gap",
 };
 
-/** How far an event moved the robot, set the clock, or how long it lasted, in a word or two; "" if not known. */
+/**
+ * The distance that an event moved the robot, the change of the clock, or the duration, in a word or two; "" if
+ * unknown.
+ */
 export function measureOf(event: LogEvent): string {
   const { kind, distance_m, direction, turned_rad } = event;
   if (kind === "clock") return `${signed(event.step_s, 2)} s`;
@@ -241,13 +242,13 @@ export function measureOf(event: LogEvent): string {
 /** An event in a few words. */
 export const eventLabel = (event: LogEvent): string => [EVENTS[event.kind], measureOf(event)].filter(Boolean).join(" ");
 
-/** What an event was, as a sentence; its begin is on the button beside it. */
+/** An event as a sentence; its start is on the button beside it. */
 function sentenceOf(store: Store, { what, seconds, until_s }: LogEvent): string {
   if (until_s - seconds > LASTS_S) return `Until ${shownTime(store, until_s)} ${what}`;
   return what.charAt(0).toUpperCase() + what.slice(1);
 }
 
-/** What happened while the log was recorded, each with a button that goes to the scan before it. */
+/** The events during the recording, each with a button that goes to the scan before it. */
 export function Events({ events, store }: { readonly events: readonly LogEvent[]; readonly store: Store }) {
   return (
     <section class="events" aria-label="Events">
@@ -272,11 +273,11 @@ export function Events({ events, store }: { readonly events: readonly LogEvent[]
 interface TimeButtonProps {
   readonly store: Store;
   readonly seconds: number;
-  /** Number of the scan there, from 0. */
+  /** Number of the scan at that time, from 0. */
   readonly scan: number;
 }
 
-/** A moment as a button that goes there; of a log without times the number of the scan. */
+/** A moment as a button that goes there; for a log without times, the number of the scan. */
 function TimeButton({ store, seconds, scan }: TimeButtonProps) {
   const text = momentText(store, seconds, scan + 1);
   return (
@@ -291,7 +292,7 @@ interface ProgressProps {
   readonly cancel: () => void;
 }
 
-/** As high as the button in whose place it is: an examination begins by itself, and nothing is to move then. */
+/** As high as the button that it replaces: an examination starts by itself, and nothing must move then. */
 function ExaminationProgress({ progress, cancel }: ProgressProps) {
   return (
     <div class="doctor-progress">

@@ -6,9 +6,9 @@ import { written } from "../../ui/numbers";
 
 interface HeadProps {
   readonly store: Store;
-  /** Back to the logs; not for a guest, who is told that the session is one of their own. */
+  /** Back to the logs; not for a guest, whose session is a copy. */
   readonly onClose: (() => void) | undefined;
-  /** At the right end; what comes later stands before the rest, which stays in its place. */
+  /** At the right end: additions come before the rest, which stays in place. */
   readonly children?: ComponentChildren;
 }
 

@@ -1,4 +1,4 @@
-/** A choice of one of the visitor's other logs, and of its sensor where it has several. */
+/** A menu of the visitor's other logs, and of the sensor if a log has several. */
 
 import { useEffect } from "preact/hooks";
 import { Select } from "../../ui/Select";
@@ -10,7 +10,7 @@ export interface ChosenLog {
 }
 
 interface LogChoiceProps {
-  /** The log that is not offered. */
+  /** The log to exclude. */
   readonly own: string;
   readonly chosen: ChosenLog | null;
   readonly disabled: boolean;
@@ -23,7 +23,7 @@ interface LogChoiceProps {
 
 const SEPARATOR = "\n";
 
-/** Whether it has costs of a terrain: a map has them, and the points of a cloud are assessed. */
+/** Whether it has terrain costs: those of a map exist, and the points of a cloud are assessed. */
 const isTerrain = (log: LogRecord): boolean => log.map !== null || log.clouds > 0;
 
 export function LogChoice({ own, chosen, disabled, withMaps = false, onlyTerrains = false, onChoose }: LogChoiceProps) {

@@ -16,13 +16,13 @@ interface MapStageProps {
   readonly comparison: Comparison;
   /** An error of the connection; null for none. */
   readonly trouble: ReadonlySignal<string | null>;
-  /** Whether nothing in it can be used. */
+  /** Whether all its controls are disabled. */
   readonly isInert?: boolean;
   /** Called with the picture of the map. */
   readonly onPicture: (picture: Picture) => void;
 }
 
-/** The map of a log with its playback and the values of the cell under the pointer, with the tools that measure. */
+/** The map of a log with its playback, the values of the cell under the pointer, and the tools that measure. */
 export function MapStage({ store, comparison, trouble, isInert = false, onPicture }: MapStageProps) {
   const stage = useRef<HTMLDivElement>(null);
   return (

@@ -5,16 +5,16 @@ import { progressText } from "../../ui/Working";
 import type { MakingAnswer } from "../../wire/http";
 
 interface OpeningProps {
-  /** What the server does for it, how far it is, and since when; null before it has said so. */
+  /** The server's work, its progress and its start time; null before the server has reported it. */
   readonly now: MakingAnswer | null;
-  /** What is said until then. */
+  /** Shown until then. */
   readonly what: string;
   readonly onCancel?: (() => void) | undefined;
   /** What is being opened. */
   readonly children?: ComponentChildren;
 }
 
-/** Shown in place of a view until it has loaded. */
+/** Shown instead of a view until it has loaded. */
 export function Opening({ now, what, onCancel, children }: OpeningProps) {
   return (
     <div class="viewer-message" role="status">

@@ -18,7 +18,7 @@ import { scansAt, secondsAt } from "./time/scanTimes";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 
-/** The speeds to choose from: round ones within the session's limits, and the current one. */
+/** The speeds to choose from: round values within the session's limits, and the current one. */
 function speeds(now: number, [low, high]: readonly [number, number]): readonly number[] {
   const round = SPEEDS.filter((speed) => speed >= low && speed <= high);
   return [...new Set([...round, now])].sort((a, b) => a - b);
@@ -48,14 +48,14 @@ const eventMarks = (store: Store, events: readonly LogEvent[]): TimelineMark[] =
 
 interface TransportProps {
   readonly store: Store;
-  /** What one step is. */
+  /** The unit of one step. */
   readonly unit?: string;
   readonly notes?: NotesState;
   /** Called when a note's mark was pressed. */
   readonly onNote?: () => void;
   readonly events?: readonly LogEvent[];
   readonly lines?: LinesState;
-  /** The plots below it, of a log of scans. */
+  /** The plots below it, for a log of scans. */
   readonly plots?: TimelinePlotsState;
 }
 

@@ -49,11 +49,11 @@ interface ViewerProps {
   readonly session: string;
   /** Back to the logs; not for a guest. */
   readonly onClose?: () => void;
-  /** The session has ended on the server: begin another on the same log. */
+  /** The session has ended on the server: start another one on the same log. */
   readonly onGone: () => void;
-  /** Whether to do so at once. */
+  /** Whether to do so immediately. */
   readonly reopens?: boolean;
-  /** Called with the topic of another sensor that the session maps now. */
+  /** Called with the topic when the session maps another sensor. */
   readonly onSensor?: (topic: string) => void;
   readonly guest?: GuestOfLink;
 }
@@ -64,7 +64,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const stage = useRef<HTMLDivElement>(null);
   const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
-  const given = guest?.shown ?? null; // what a link has its guest see
+  const given = guest?.shown ?? null; // what a link shows to its guest
   const comparison = useComparison(session, store, given?.comparison);
   const doctor = useDoctor(store, session, guest !== undefined, guest?.examination);
   const correction = usePoseCorrection(store, session, guest !== undefined);
@@ -89,11 +89,11 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const camera = hasCamera(held.kind === "ready" ? held.contents : null);
   const lines = useLines(session, store, contents, given?.lines);
   const fields = useFieldsState(session, given?.plots);
-  const topic = useSignal(given?.message ?? ""); // whose messages are shown
-  const pictured = useSignal(given?.picture ?? ""); // the topic whose pictures are shown
+  const topic = useSignal(given?.message ?? ""); // the topic of the shown messages
+  const pictured = useSignal(given?.picture ?? ""); // the topic of the shown pictures
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, given?.group ?? OVERVIEW);
-  const lastGroup = useRef(openGroup.peek()); // before that of links, in which one is made
+  const lastGroup = useRef(openGroup.peek()); // the group before that of links, in which a link is made
   if (openGroup.value !== SHARE) lastGroup.current = openGroup.value;
   const live = useMemo(() => (guest ? null : { ...connection, id: session }), [connection]);
   useClass(live, { page: "logs", group: openGroup });

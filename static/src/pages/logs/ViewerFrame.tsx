@@ -12,12 +12,12 @@ const LIMITS = { low: 0.25, high: 0.82 };
 const BESIDE = 2 / 3;
 const BELOW = 0.62;
 
-/** The share of the window that the map and its time have, with the dock beside them and below them. */
+/** The share of the window for the map and its time slider, with the dock beside or below them. */
 const beside = kept("gridbloom.logs.column", BESIDE, isWithin(LIMITS.low, LIMITS.high));
 const below = kept("gridbloom.logs.column-below", BELOW, isWithin(LIMITS.low, LIMITS.high));
 const isHidden = kept("gridbloom.logs.column-hidden", false, isBoolean);
 
-/** Show the dock where it was hidden: something in it is asked for. */
+/** Show the hidden dock, because something in it was requested. */
 export function showColumn(): void {
   isHidden.value = false;
 }
@@ -29,7 +29,10 @@ interface ViewerFrameProps {
   readonly dock: ComponentChildren;
 }
 
-/** The page of one log: head and stage, and beside or below them the dock, whose size is dragged and which can be hidden. */
+/**
+ * The page of one log: head and stage, and beside or below them the dock, whose border can be dragged and which can be
+ * hidden.
+ */
 export function ViewerFrame({ class: className = "", children, dock }: ViewerFrameProps) {
   const id = useId();
   const isNarrow = useMedia("(max-width: 61.99rem)").value;
@@ -78,11 +81,11 @@ export function ViewerFrame({ class: className = "", children, dock }: ViewerFra
 interface ViewerStatusProps {
   readonly hello: object | null;
   readonly trouble: string | null;
-  /** What is said until the session has answered. */
+  /** Shown until the session has answered. */
   readonly opening: string;
 }
 
-/** Over the map: what is wrong with the connection, or that the session is being opened. */
+/** Over the map: the error of the connection, or that the session is being opened. */
 export function ViewerStatus({ hello, trouble, opening }: ViewerStatusProps) {
   if (hello && !trouble) return null;
   return (

@@ -88,7 +88,7 @@ function TerrainChoice({ store, session }: TerrainChoiceProps) {
   );
 }
 
-/** The map as files and, except for a guest, the run. */
+/** The map as files and, except for a guest, the trajectory. */
 export function Downloads({
   session,
   title,
@@ -132,13 +132,13 @@ export function Downloads({
 
 const PickingScene = lazy(async () => (await import("../../tools/scene/PickingScene")).PickingScene);
 
-/** What the groups show. */
+/** What the groups display. */
 interface LogView {
   readonly store: Store;
   readonly session: string;
-  /** Of a visitor with a shared link: no other logs, no downloads of this one. */
+  /** For a visitor with a shared link: no other logs and no downloads of this one. */
   readonly isGuest: boolean;
-  /** Null until the session has told. */
+  /** Null until the session has reported it. */
   readonly log: LogInfo | null;
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
@@ -157,21 +157,21 @@ interface LogView {
   readonly onPlot: (topic: string, field: string) => void;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
-  /** Begin SLAM of the log, and open the group that shows it. */
+  /** Start SLAM of the log, and open the group that shows it. */
   readonly onCorrectPoses: () => void;
   readonly notes: NotesState;
   /** The errors whose paths are on the map. */
   readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
-  /** What else of the page a link shows. */
+  /** Other state of the page that a link contains. */
   readonly shown: () => Promise<Shown>;
 }
 
 interface Group {
   readonly id: string;
   readonly title: string;
-  /** The section that it shares with the groups beside it. */
+  /** The section that it shares with neighbouring groups. */
   readonly section?: string;
   readonly keeps?: boolean;
   readonly isThere?: (view: LogView) => boolean;
@@ -181,7 +181,7 @@ interface Group {
 
 const CostmapGroup = lazy(async () => (await import("../../tools/costmap/CostmapGroup")).CostmapGroup);
 
-/** The group that a log opens on. */
+/** The group that is open at first. */
 export const OVERVIEW = "overview";
 /** The group of links. */
 export const SHARE = "share";
@@ -340,7 +340,7 @@ const GROUPS: readonly Group[] = [
   },
 ];
 
-/** The groups that this view has, for the dock. */
+/** The groups of the dock in this view. */
 export function groupsOf(view: LogView): readonly DockGroup[] {
   return GROUPS.filter((group) => group.isThere?.(view) ?? true).map(
     ({ id, title, section, keeps, badge, content }) => ({

@@ -1,4 +1,4 @@
-/** The task: which cause it is, how far the repair is, hints, and at the end the explanation. */
+/** The task: the cause, the progress of the repair, hints, and at the end the explanation. */
 
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -30,11 +30,11 @@ interface AnswerProps {
   readonly onNext: (name: string) => void;
 }
 
-/** The end of an attempt: the cause, what repairs the map, and where to go on. */
+/** The end of an attempt: the cause, the repair of the map, and links to continue. */
 export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
   const { answer } = attempt;
   const top = useRef<HTMLDivElement>(null);
-  // What solved the puzzle may have been far down in the panel, which on a phone is lower than the answer is high.
+  // The control that solved the puzzle may be far down in the panel, which on a phone is lower than the answer is high.
   useEffect(() => top.current?.scrollIntoView({ block: "start" }), []);
   if (!answer) return null;
   const rows = store.hello.value?.parameters.table ?? [];
@@ -99,7 +99,7 @@ interface CaseProps {
   readonly onCheck: () => void;
   readonly isChecking: boolean;
   readonly onClose: (() => void) | undefined;
-  /** A puzzle that is not solved yet, for the end of this one; null for none. */
+  /** An unsolved puzzle to continue with; null for none. */
   readonly next: OfferedPuzzle | null;
   readonly onNext: (name: string) => void;
 }
@@ -238,12 +238,12 @@ const MEASURES: readonly (readonly [Measure, string])[] = [
   ["entropy", "Mean entropy of the observed cells, bits"],
 ];
 
-/** What the named cause is repaired with: the parameters as controls, or the choice of poses. */
+/** The repair of the named cause: parameters as controls, or the choice of poses. */
 function RepairedWith({ store, attempt }: { readonly store: Store; readonly attempt: Attempt }) {
   const box = useRef<HTMLDivElement>(null);
   const repairs = attempt.answer ? null : attempt.repaired_with;
   const isKnown = repairs !== null && store.hello.value !== null;
-  // On a phone it is below the window when the cause is named.
+  // On a phone it is below the window when the cause is selected.
   useEffect(() => box.current?.scrollIntoView({ block: "nearest" }), [isKnown]);
   const table = store.hello.value?.parameters.table;
   if (!repairs || !table) return null;

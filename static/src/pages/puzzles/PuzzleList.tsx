@@ -11,7 +11,7 @@ import { addressOf } from "../../wire/ask";
 import type { MadePuzzleAnswer, OfferedPuzzle } from "../../wire/http";
 import { fetchList, giveToClass, listed, removePuzzle, solvedPoints } from "./puzzles";
 
-/** The map that an attempt at a puzzle begins with. */
+/** The initial map of an attempt at a puzzle. */
 function PuzzlePicture({ puzzle }: { readonly puzzle: OfferedPuzzle }) {
   const state = useSignal<"awaited" | "shown" | "failed">("awaited");
   return (
@@ -46,7 +46,7 @@ async function give(puzzle: string): Promise<void> {
   });
 }
 
-/** All puzzles by level, and those that the visitor made. */
+/** All puzzles by level, and those made by the visitor. */
 export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void }) {
   const failure = useSignal<string | null>(null);
   const load = async (): Promise<void> => {

@@ -23,12 +23,12 @@ import { attemptOf, step } from "./puzzles";
 
 interface PuzzleViewerProps {
   readonly session: string;
-  /** Back to the list; null where there is none. */
+  /** Back to the list; null if there is none. */
   readonly onClose: (() => void) | undefined;
   /** The session has ended on the server. */
   readonly onGone: () => void;
   readonly onSolved: (points: number) => void;
-  /** A puzzle that is not solved yet; null for none. */
+  /** An unsolved puzzle; null for none. */
   readonly next: OfferedPuzzle | null;
   readonly onNext: (name: string) => void;
 }
@@ -67,7 +67,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     });
     isChecking.value = false;
   };
-  // The attempt ends with its class, whose puzzle cannot be begun again.
+  // The attempt ends with its class, whose puzzle cannot be started again.
   const isOver = (classroom.value?.isFollowed && classroom.value.isOver.value) ?? false;
   useEffect(() => {
     if (isOver) connection.stop();
@@ -91,7 +91,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
       {isChecking.value ? "Checking …" : "Check the map"}
     </Button>
   );
-  // On a phone the head of the page is out of sight while a value is set.
+  // On a phone the head of the page is out of view while a value is changed.
   const checkBelow = checkButton && (
     <div class="case-check">
       {checkButton}

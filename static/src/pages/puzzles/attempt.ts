@@ -1,10 +1,12 @@
-/** What follows from the state of an attempt at a puzzle. */
+/** Text derived from the state of an attempt at a puzzle. */
 
 import type { Attempt, OfferedPuzzle } from "../../wire/http";
 
 export type Measure = Attempt["measures"][number];
 
-/** Whether what a check found is for the group Case: the answer, or the question for the cause of a repaired map. */
+/**
+ * Whether the result of a check concerns the group Case: the answer, or the question about the cause of a repaired map.
+ */
 export const leadsToCase = ({ answer, best, enough, is_named }: Attempt): boolean =>
   answer !== null || (best >= enough && !is_named);
 
@@ -16,7 +18,7 @@ export const MEASURE_NAMES: Readonly<Record<Measure, string>> = {
 
 export const percent = (share: number): string => `${Math.floor(100 * share + 1e-9)} %`;
 
-/** What a check has found, in words: how far the repair is, and what of it is missing most. Empty at the end. */
+/** The result of a check as text: the progress of the repair, and its largest remaining part. Empty at the end. */
 export function progressText({ answer, repair, best, enough, is_named, measures, first, goal, now }: Attempt): string {
   if (answer !== null) return "";
   if (repair === null || now === null) return "Not checked yet.";
@@ -29,7 +31,7 @@ export function progressText({ answer, repair, best, enough, is_named, measures,
   return `${done}; it is solved at ${percent(enough)}.${missing}${better}`;
 }
 
-/** The first puzzle after the one of this name, else the first of all, that is not solved; null for none. */
+/** The first unsolved puzzle after the one of this name, else the first of all; null for none. */
 export function nextPuzzle(
   puzzles: readonly OfferedPuzzle[],
   name: string,

@@ -1,11 +1,11 @@
-/** The service's puzzles: which there are, an attempt at one, and what this browser remembers of earlier ones. */
+/** The service's puzzles: the list, an attempt at one, and this browser's record of earlier ones. */
 
 import { signal } from "@preact/signals";
 import { ask } from "../../wire/ask";
 import type { Attempt, PuzzleList, SessionAnswer } from "../../wire/http";
 import { followMaking, type Making, newName } from "../making";
 
-/** The puzzles of the list, with those that the visitor made; null until they were first fetched. */
+/** The puzzles of the list and those made by the visitor; null until they were first fetched. */
 export const listed = signal<PuzzleList | null>(null);
 
 export async function fetchList(): Promise<void> {
@@ -17,10 +17,10 @@ export const removePuzzle = (token: string): Promise<void> => ask("DELETE /api/p
 export const giveToClass = (code: string, puzzle: string): Promise<void> =>
   ask("PUT /api/classes/{code}/puzzle", { code }, { body: { puzzle } });
 
-/** The progress of a puzzle that the server prepares. */
+/** Progress of the puzzle that the server is preparing. */
 export const preparing = signal<Making | null>(null);
 
-/** What an attempt begins with: a puzzle of the program, one that was made, or that of a class. */
+/** The puzzle of an attempt: one of the program, one made by a visitor, or that of a class. */
 export type Beginning = { readonly puzzle: string } | { readonly token: string } | { readonly code: string };
 
 function begun(at: Beginning, options: { query: { name: string }; ending: AbortSignal }): Promise<SessionAnswer> {
@@ -29,7 +29,7 @@ function begun(at: Beginning, options: { query: { name: string }; ending: AbortS
   return ask("POST /api/puzzles/{puzzle}/sessions", at, options);
 }
 
-/** Begin an attempt. Resolves to the id of its session. */
+/** Start an attempt. Resolves to the id of its session. */
 export async function beginAttempt(at: Beginning, ending: AbortSignal): Promise<string> {
   const name = newName();
   const stop = followMaking(name, (making) => {
@@ -46,7 +46,7 @@ export async function beginAttempt(at: Beginning, ending: AbortSignal): Promise<
 export const attemptOf = (session: string): Promise<Attempt> =>
   ask("GET /api/sessions/{session_id}/puzzle", { session_id: session });
 
-/** Go on with the attempt of a session. */
+/** Continue the attempt of a session. */
 export const step = (session: string, what: "hint" | "solution" | "check"): Promise<Attempt> =>
   ask(`POST /api/sessions/{session_id}/puzzle/${what}`, { session_id: session });
 
@@ -63,7 +63,7 @@ function stored(): Record<string, number> {
   }
 }
 
-/** The best points in puzzles that were solved in this browser, by name. */
+/** The best points in puzzles solved in this browser, by name. */
 export const solvedPoints = (): Readonly<Record<string, number>> => stored();
 
 export function rememberSolved(name: string, points: number): void {
@@ -71,6 +71,6 @@ export function rememberSolved(name: string, points: number): void {
   try {
     localStorage.setItem(KEY, JSON.stringify({ ...all, [name]: Math.max(points, all[name] ?? 0) }));
   } catch {
-    // The browser forbids it: nothing is remembered.
+    // The browser forbids storage: nothing is recorded.
   }
 }

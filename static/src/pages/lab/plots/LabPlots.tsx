@@ -1,4 +1,4 @@
-/** Numbers of the lab over its time, from when the view was opened. */
+/** Quantities of the lab over time, from when the view was opened. */
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
@@ -16,12 +16,12 @@ import { axisStyle, colourOf, labelsOn, numberLabels, timeAxis } from "../../log
 import "uplot/dist/uPlot.min.css";
 import "../stage.css";
 
-/** Samples that are kept: five minutes of ten scans a second. */
+/** Number of samples kept: five minutes at ten scans per second. */
 const MOST = 3000;
-/** How many of the oldest go at once, so that few samples are copied. */
+/** Number of oldest samples removed at once, so that few samples are copied. */
 const DROPPED = 500;
 
-/** The entropy of a cell by its byte, bit; that of a cell that was never observed is not counted. */
+/** The entropy of a cell in bits by its byte; cells that were never observed do not count. */
 export function bitsOfBytes(range: Pick<Geometry, "low" | "high">): Float64Array {
   return Float64Array.from({ length: 256 }, (_, byte) => {
     const p = byte === NEVER ? 0 : probability(logOddsAt(byte, range));
@@ -37,7 +37,7 @@ interface KeptTile {
   readonly states: Uint8Array;
 }
 
-/** Follows the cells of one map: its entropy, and how many cells changed between unknown, free and occupied. */
+/** Follows the cells of one map: its entropy, and the number of changes between unknown, free and occupied. */
 export class MapWatch {
   readonly #cells: Cells;
   readonly #bits: Float64Array;
@@ -64,7 +64,9 @@ export class MapWatch {
     this.look();
   }
 
-  /** The entropy of the observed cells, bit, and how many cells have changed their state since the last look. */
+  /**
+   * The entropy of the observed cells in bits, and the number of cells that changed their state since the last call.
+   */
   look(): { readonly bits: number; readonly changed: number } {
     let changed = 0;
     for (const [key, [tx, ty]] of this.#waiting) {
@@ -86,7 +88,7 @@ export class MapWatch {
     return { bits, changed };
   }
 
-  /** Whether cells were set since the last look. */
+  /** Whether cells were set since the last call. */
   get isBehind(): boolean {
     return this.#waiting.size > 0;
   }
@@ -96,7 +98,7 @@ export class MapWatch {
   }
 }
 
-/** The names of what is plotted, in the order of {@link Samples.columns}, and their units. */
+/** Names of the plotted quantities, in the order of {@link Samples.columns}, with their units. */
 const PLOTTED = [
   { label: "Entropy of the map", unit: "bit" },
   { label: "Cells changed", unit: "cells" },
@@ -115,14 +117,14 @@ export class Samples {
   #before: Pick<FrameMessage, "stamp" | "pose"> | null = null;
 
   /**
-   * Add a sample of a frame and the map, or amend that of the frame where the map has changed since, as its tiles come
-   * after a frame; true where there is something new.
+   * Add a sample for a frame and the map, or correct that of the frame if the map has changed since, because tiles come
+   * after their frame. Returns whether anything changed.
    */
   take(frame: Pick<FrameMessage, "stamp" | "pose" | "believed_pose">, map: MapPicture): boolean {
     const before = this.#before;
     const isSame = this.#watched === map;
     if (before?.stamp === frame.stamp && isSame && !this.#watch?.isBehind) return false;
-    // A restart, another world, or scans that were taken out of the map again.
+    // A restart, another world, or scans that were removed from the map.
     if (before && frame.stamp < before.stamp) this.clear();
     if (!isSame) {
       this.#watch?.stop();
@@ -163,7 +165,7 @@ export class Samples {
 }
 
 const HEIGHT = 84;
-/** Time between two paintings: as often as scans come at the usual speed. */
+/** Interval of painting: that of scans at normal speed. */
 const EVERY_MS = 100;
 const TONES = ["--miss", "--hit", "--robot", "--beam"] as const;
 
@@ -173,7 +175,7 @@ export function LabPlots({ store }: { readonly store: Store }) {
   useEffect(() => {
     let painted = 0;
     let request = 0;
-    // A scan's cells follow its frame, and are there with the next animation frame.
+    // The cells of a scan follow its frame and arrive by the next animation frame.
     const look = (now: number): void => {
       request = requestAnimationFrame(look);
       const [frame, map] = [store.frame.peek(), store.map.peek()];
@@ -200,7 +202,7 @@ export function LabPlots({ store }: { readonly store: Store }) {
 
 interface LineProps {
   readonly samples: Samples;
-  /** Another number when there are other samples. */
+  /** Changes with the samples. */
   readonly version: number;
   readonly column: number;
   readonly label: string;

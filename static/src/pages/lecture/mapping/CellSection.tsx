@@ -9,11 +9,11 @@ import { signed, written } from "../../../ui/numbers";
 import { Sub } from "../formulas";
 import { Section, type SectionHead, SectionLink } from "../Section";
 
-/** The cell has no reading at first: the text and the slide ask about four hits. */
+/** The cell has no reading at first: text and slide ask about four hits. */
 const events = signal<readonly CellEvent[]>([]);
 const path = computed(() => logOddsHistory(events.value, cellParameters.value));
 
-/** z with its index: all readings up to one of them (1:t), or that one alone. */
+/** z with its index: all readings up to t (1:t), or reading t alone. */
 const Readings = ({ z }: { z: string }) => (
   <msub>
     <mi>z</mi>
@@ -255,7 +255,7 @@ function Derivation() {
   );
 }
 
-/** The last update of the figure's cell in numbers. */
+/** The last update of the figure's cell as numbers. */
 function LastUpdate() {
   const last = events.value.at(-1);
   const [before, after] = path.value.slice(-2);

@@ -11,7 +11,7 @@ const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 
 /** The hits of the question. */
 const WEAKER: Readings = { hits: 60, misses: 60, pHit: 0.75, pMiss: 0.25 };
 
-/** The power of ten that q¹⁰⁰⁰ is. */
+/** The power of ten of q¹⁰⁰⁰. */
 const POWER = (q: number): string => written(1000 * Math.log10(q), 0);
 
 export function DigitsSection(head: SectionHead) {

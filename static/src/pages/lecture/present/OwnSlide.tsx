@@ -22,7 +22,7 @@ const PART = /([_^])(?:\{([^{}]*)\}|(\S))|([^_^]+|[_^])/gu;
 
 /**
  * The formula of a line between two dollar signs such as `$p_t = 1 - e^{-x}$`, with indices and exponents as in LaTeX;
- * null where the line is none.
+ * null if the line is not a formula.
  */
 export function formulaOf(line: string): readonly FormulaPart[] | null {
   const inside = /^\s*\$(.+)\$\s*$/u.exec(line)?.[1];
@@ -36,7 +36,7 @@ export function formulaOf(line: string): readonly FormulaPart[] | null {
 
 const MS = 180;
 
-/** The map of the lecture's drive, which fills in scan by scan; with reduced motion and in a preview it is complete. */
+/** The map of the lecture's drive, which fills in scan by scan. With reduced motion and in a preview it is complete. */
 function TitleMap() {
   const root = useRef<HTMLDivElement>(null);
   const isStill = reducedMotion.peek() || isPreview;
@@ -69,7 +69,7 @@ function TitleMap() {
   );
 }
 
-/** Single letters are variables, in italics; digits, brackets and names of functions are upright. */
+/** Single letters are variables, in italics; digits, brackets and function names are upright. */
 function Letters({ text }: { readonly text: string }) {
   const runs = text.split(/(?<!\p{L})(\p{L})(?!\p{L})/u);
   return <>{runs.map((run, i) => (i % 2 === 1 ? <i key={`${i} ${run}`}>{run}</i> : run))}</>;
@@ -98,7 +98,7 @@ function Formula({ parts }: { readonly parts: readonly FormulaPart[] }) {
   );
 }
 
-/** Lines that begin with a dash are a list, lines between dollar signs are formulas. */
+/** Lines that begin with a dash form a list, lines between dollar signs are formulas. */
 function Paragraph({ text, shown }: { text: string; shown: boolean }) {
   const lines = text.split("\n").filter((line) => line.trim());
   const isList = lines.every((line) => /^\s*[-–•] /.test(line));
@@ -121,10 +121,10 @@ function Paragraph({ text, shown }: { text: string; shown: boolean }) {
   );
 }
 
-/** How long a lab that has been loaded, and says nothing, is awaited. */
+/** How long to wait for a lab that has loaded but has not reported. */
 const LONGEST_START_MS = 30_000;
 
-/** A page of this service within the slide. Its window gives the keys of the presentation back. */
+/** A page of this service inside the slide. Its window forwards the keys of the presentation. */
 function Framed({ kind, address, title }: PageSlide) {
   const frame = useRef<HTMLIFrameElement>(null);
   const isLoaded = useSignal(false);
@@ -173,11 +173,11 @@ function Framed({ kind, address, title }: PageSlide) {
 
 interface PageSlideProps {
   readonly of: PageSlide;
-  /** Whether it is the present slide; otherwise it is the next one, out of sight. */
+  /** Whether it is the present slide; otherwise it is the next one, out of view. */
   readonly isNow: boolean;
 }
 
-/** A slide with a page of this service, which is loaded while the slide before it is shown: that takes a second. */
+/** A slide with a page of this service, loaded while the previous slide is shown because that takes a second. */
 function PageOfSlide({ of, isNow }: PageSlideProps) {
   const { kind, title } = of;
   return (
@@ -189,7 +189,7 @@ function PageOfSlide({ of, isNow }: PageSlideProps) {
 
 const isPage = (of: Slide): of is PageSlide => of.kind === "lab" || of.kind === "log";
 
-/** The present slide, where it is none of the lecture's, and the page that comes with the next one. */
+/** The present slide if it is not from the lecture, and the page of the next one. */
 export function OwnSlide() {
   if (!presenting.value) return null;
   const now = slide.value;

@@ -14,7 +14,7 @@ import { answerOf } from "./shownAnswers";
 import { blank, count, isPreview, place, predicted, presenting, questionOf, slide, stage, stepsOf } from "./state";
 import { openSpeaker } from "./sync";
 
-/** Keys and size of the slides, while this page is open. */
+/** Keys and sizes of the slides while this page is open. */
 export function usePresentation(): void {
   useEffect(() => {
     const stops = [keepScale(), listenToKeys(window, act, canAct)];
@@ -29,7 +29,7 @@ function fullScreen(): void {
   change.catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
-/** What the slide has said so far: its question, and after the last step the answer. */
+/** The parts of the slide announced so far: its question, and after the last step the answer. */
 function Heading() {
   const now = slide.value;
   const question = questionOf(now);

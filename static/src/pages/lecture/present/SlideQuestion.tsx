@@ -9,7 +9,7 @@ import { askSlide } from "./poll";
 import { QUESTIONS } from "./questions";
 import { predicted, presenting, questionOf, slide, stage } from "./state";
 
-/** In a class the question of a slide can be asked of everybody. */
+/** In a class, everybody can be asked the question of a slide. */
 function ClassQuestion() {
   const room = lecturersClass.value;
   const question = questionOf(slide.value);
@@ -24,8 +24,8 @@ function ClassQuestion() {
 }
 
 /**
- * The question that a slide begins with, and the options to choose from. The figure comes after it. In a class the
- * options are chosen by the followers, and each shows how often it was.
+ * The question at the start of a slide with its options; the figure follows. In a class the followers choose the
+ * options, and each option shows its count.
  */
 export function SlideQuestion({ id }: { id: string }) {
   const question = QUESTIONS[id as LessonId];

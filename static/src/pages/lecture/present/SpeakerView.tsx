@@ -10,7 +10,7 @@ import { followSlides, type Remote, type SpeakerState } from "./sync";
 
 const two = (value: number): string => String(value).padStart(2, "0");
 
-/** Time of day, and since the window was opened or the watch was reset, with the plan. */
+/** The time of day, and the time since the window was opened or the clock was reset, with the plan. */
 function Watch({ plan }: { readonly plan: SpeakerState["plan"] }) {
   const now = useSignal(Date.now());
   const since = useSignal(Date.now());
@@ -59,7 +59,7 @@ const LABELS = {
   reveal: "Show the result",
 } as const;
 
-/** The question with the right answer and how often each was given: only here, not on the screen of the class. */
+/** The question with the right answer and the counts. They are shown only here, not on the screen of the class. */
 function PollPanel({ poll, act }: { readonly poll: Poll; readonly act: (act: PollAct) => void }) {
   const most = Math.max(1, ...poll.options.map(({ count }) => count ?? 0));
   return (
@@ -97,7 +97,7 @@ function PollPanel({ poll, act }: { readonly poll: Poll; readonly act: (act: Pol
   );
 }
 
-/** The speaker's window: the present slide, what the next step shows, and the notes. It controls the slides. */
+/** The speaker's window: the present slide, the next step, and the notes. It controls the slides. */
 export function SpeakerView({ channel }: { readonly channel: string }) {
   const state = useSignal<SpeakerState | null>(null);
   const send = useRef<Remote | null>(null);

@@ -2,7 +2,7 @@ import { classroom } from "../../../store/classroom";
 import type { Act } from "./keys";
 import { blank, endOf, goTo, isPreview, move, presenting, setPresenting, slides } from "./state";
 
-/** Whether keys control the presentation now. */
+/** Whether keys control the presentation at the moment. */
 export const canAct = (): boolean =>
   presenting.peek() && !isPreview && !(classroom.peek()?.isFollowing.peek() ?? false);
 
@@ -23,5 +23,5 @@ const ACTS: Readonly<Record<Act, () => void>> = {
   release: () => {},
 };
 
-/** Carry out what a key, a button or the speaker's window asks for. */
+/** Carry out the request of a key, a button or the speaker's window. */
 export const act = (wanted: Act): void => ACTS[wanted]();

@@ -1,4 +1,4 @@
-/** The answers of the slides, with their notes: no page of a follower of a class fetches this file. */
+/** The answers of the slides with their notes. No page of a follower of a class loads this file. */
 
 import type { LessonId } from "../lessons";
 import type { Answer } from "./questions";
@@ -237,7 +237,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   },
 };
 
-/** The notes of slides that are not of a section: of a derivation, or by their kind. */
+/** The notes of slides that do not belong to a section: of a derivation, or by their kind. */
 export const OTHER_NOTES: Readonly<Record<string, string>> = {
   title: "The map fills in as the robot drives. Ask what a cell could store, and what the colours mean.",
   "cell-derivation":

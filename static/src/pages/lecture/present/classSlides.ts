@@ -1,4 +1,4 @@
-/** The lecture in a class: slide, step, black screen and pointer of the lecturer, on the pages of the followers. */
+/** The lecture in a class: shows the lecturer's slide, step, black screen and pointer on the pages of the followers. */
 
 import { effect, signal } from "@preact/signals";
 import { askedAs, type Classroom, classroom } from "../../../store/classroom";
@@ -25,10 +25,10 @@ import {
   stage,
 } from "./state";
 
-/** Pages that who has the link may open, unlike the lab and the logs of the lecturer. */
+/** Pages that anybody with the link may open, unlike the lab and the logs of the lecturer. */
 const SHARED = /^\/shared\//;
 
-/** What followers get of a slide at a step: of a text, the paragraphs so far; of a section, its answer once shown. */
+/** What followers receive of a slide at a step: of a text the paragraphs so far, of a section its answer once shown. */
 export function shownSlide(slide: Slide, step: number, answer?: string): ClassSlide {
   const { kind } = slide;
   if (kind === "section") return { kind, section: slide.section, ...(answer === undefined ? {} : { text: answer }) };
@@ -59,9 +59,9 @@ export function slideOfMessage({ kind, section, title, text, address }: ClassSli
 const SHOW_EVERY_MS = 60;
 const PRESENT = "?present";
 
-/** Where the lecturer's pointer is, as fractions of the slide; null while it is not on it. */
+/** The lecturer's pointer as fractions of the slide; null while it is outside. */
 const pointerAt = signal<readonly [number, number] | null>(null);
-/** The same on a follower's page. */
+/** The pointer on a follower's page. */
 export const shownPointer = signal<readonly [number, number] | null>(null);
 
 const slideBox = (): DOMRect | null => document.querySelector(".slides > main")?.getBoundingClientRect() ?? null;
@@ -81,14 +81,14 @@ function watchPointer(): void {
     { passive: true },
   );
   document.documentElement.addEventListener("pointerleave", leave);
-  // A pointer that rests points at nothing of the next slide.
+  // A resting pointer refers to nothing on the next slide.
   effect(() => {
     void slide.value;
     leave();
   });
 }
 
-/** What the page within a slide shows, which followers see in its place; null where they see the slide. */
+/** What the page inside a slide shows, which followers see instead; null if they see the slide. */
 function pageWithin(now: Slide | undefined): PageInSlide | null {
   if (blank.value || !now || !("address" in now) || SHARED.test(now.address)) return null;
   return pagesInSlides.value.get(now.address) ?? null;
@@ -128,8 +128,8 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
     const explained = presenting.value ? pageWithin(slide.value)?.explain : undefined;
     if (explained) room.send(explained);
   });
-  // The figure of a slide tells its answer: voting is closed with it, once, as the lecturer may open it again. The
-  // slide's answer reveals what was answered.
+  // The figure of a slide shows its answer, so voting is closed with it, once; the lecturer may open it again. The
+  // slide's answer reveals the counts.
   let closed: number | null = null;
   const stopRevealing = effect(() => {
     if (stage.value !== "figure") closed = null;
@@ -155,7 +155,7 @@ function follow(room: Classroom): () => void {
   let before = "";
   return effect(() => {
     const view = room.shown.value?.view;
-    // The head of the lecture would flash up before the slide.
+    // Otherwise the head of the lecture would appear for a moment before the slide.
     document.documentElement.classList.toggle("is-joining", !view && !room.isOver.value && !room.isOutdated.value);
     if (view?.page !== "lecture" || !room.isFollowing.value) return;
     shownPointer.value = view.on_slide ?? null;
@@ -178,7 +178,7 @@ function goTo({ hash = "", slide: shown }: ClassView): void {
   if (!isSlide) showSection(hash.slice(1));
 }
 
-/** Take part in a class, whatever one's role is. */
+/** Take part in a class in any role. */
 export function attendLecture(sections: readonly { readonly id: string }[]): void {
   followPages("lecture");
   watchPointer();

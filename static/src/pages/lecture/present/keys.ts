@@ -1,6 +1,6 @@
 /**
- * The keys of the presentation. PageUp and PageDown, which clickers send, always turn the page. So do the arrows and
- * the space bar, unless what has the focus needs them: a field for text, or a control that Tab or a finger went to. A
+ * The keys of the presentation. PageUp and PageDown, which clickers send, always turn the page. So do the arrow keys
+ * and the space bar, unless the focused element needs them: a text field, or a control focused by Tab or by touch. A
  * control that was only clicked with the mouse leaves them to the slides.
  */
 
@@ -8,15 +8,15 @@ import { signal } from "@preact/signals";
 
 export type Act = "next" | "back" | "nextSlide" | "previousSlide" | "first" | "last" | "blank" | "exit" | "release";
 
-/** What the focused element is, as far as keys are concerned. */
+/** The kind of the focused element with respect to keys. */
 export interface Focused {
-  /** Typing into it. */
+  /** Text input. */
   readonly isText: boolean;
-  /** Arrow keys change it: a slider, a handle, a choice. */
+  /** Arrow keys change it: a slider, a handle, a menu. */
   readonly usesArrows: boolean;
   /** The space bar presses it. */
   readonly usesSpace: boolean;
-  /** How the focus came to it. */
+  /** How it was focused. */
   readonly by: "mouse" | "touch" | "tab" | null;
 }
 
@@ -24,7 +24,7 @@ const PAGES: Record<string, Act> = { PageDown: "next", PageUp: "back" };
 const ARROWS: Record<string, Act> = { ArrowRight: "next", ArrowDown: "next", ArrowLeft: "back", ArrowUp: "back" };
 const WHOLE: Partial<Record<Act, Act>> = { next: "nextSlide", back: "previousSlide" };
 
-/** What a key does; null leaves it to the page. */
+/** The action of a key; null leaves the key to the page. */
 export function actOf(key: string, shift: boolean, focused: Focused): Act | null {
   const own = focused.by === "tab" || focused.by === "touch";
   const whole = (act: Act): Act => (shift && WHOLE[act]) || act;
@@ -49,7 +49,7 @@ const SPACE = "button, summary, select, input[type=checkbox], input[type=radio],
 
 let pointer: Focused["by"] = null;
 
-/** The control that takes the arrow keys now, by its name; null if the slides take them. */
+/** The name of the control that receives the arrow keys; null if the slides do. */
 export const arrowsGoTo = signal<string | null>(null);
 
 let by: Focused["by"] = null;
@@ -74,7 +74,7 @@ function noteFocus(element: Element | null): void {
   arrowsGoTo.value = takes ? nameOf(element) : null;
 }
 
-/** Listen to a window: this page's, or that of a page within a slide. The returned function stops it. */
+/** Listen to a window: this page's, or that of a page inside a slide. The returned function stops it. */
 export function listenToKeys(target: Window, act: (act: Act) => void, isOn: () => boolean): () => void {
   const stop = new AbortController();
   const options = { capture: true, signal: stop.signal };
@@ -98,7 +98,7 @@ export function listenToKeys(target: Window, act: (act: Act) => void, isOn: () =
     "pointerdown",
     (event) => {
       pointer = event.pointerType === "touch" || event.pointerType === "pen" ? "touch" : "mouse";
-      // It may have the focus already.
+      // It may already have the focus.
       if (document.activeElement?.contains(event.target as Node)) {
         by = pointer;
         noteFocus(document.activeElement);

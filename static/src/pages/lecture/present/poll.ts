@@ -1,17 +1,17 @@
-/** The question of the present slide, or the one that the class is asked: what the speaker's window shows of it. */
+/** The question of the present slide or of the class, as the speaker's window shows it. */
 
 import { classroom, lecturersClass } from "../../../store/classroom";
 import { answerOf } from "./shownAnswers";
 import { questionOf, slide, stage } from "./state";
 
-/** What can be done with it now. */
+/** The actions that are possible now. */
 export type PollAct = "ask" | "stop" | "reopen" | "reveal";
 
 export interface Poll {
   readonly text: string;
-  /** The options with how many chose each; null while it is not asked. */
+  /** The options with their counts; null while it is not asked. */
   readonly options: readonly { readonly text: string; readonly count: number | null; readonly isRight: boolean }[];
-  /** "3 of 12 answered", or why nobody can answer. */
+  /** "3 of 12 answered", or the reason why nobody can answer. */
   readonly status: string;
   readonly acts: readonly PollAct[];
 }
@@ -32,7 +32,10 @@ function ofSlide(): Poll | null {
   };
 }
 
-/** The question to show the speaker; null for none. Unlike the page with the slides it has counts and right answer. */
+/**
+ * The question shown to the speaker; null for none. Unlike the page with the slides it has the counts and the right
+ * answer.
+ */
 export function pollOf(): Poll | null {
   const state = lecturersClass.value?.state.value;
   const asked = state?.question;
@@ -50,7 +53,7 @@ export function pollOf(): Poll | null {
   };
 }
 
-/** Do with the question what the speaker's window asks for. */
+/** Carry out an action of the speaker's window. */
 export function actOnPoll(act: PollAct): void {
   const room = lecturersClass.peek();
   if (!room || classroom.peek()?.isFollowed) return;

@@ -1,23 +1,23 @@
 import type { LessonId } from "../lessons";
 
-/** What a slide asks before it shows its figure. */
+/** The question of a slide before its figure is shown. */
 export interface Question {
   readonly question: string;
-  /** What the audience may predict; without them there is nothing to choose. */
+  /** The options; without them there is nothing to choose. */
   readonly options?: readonly string[];
 }
 
-/** What a slide says after its figure. */
+/** The answer of a slide after its figure. */
 export interface Answer {
   /** Index of the right option; the class shows it with the result. */
   readonly right?: number;
-  /** What the figure has shown. */
+  /** What the figure has demonstrated. */
   readonly answer: string;
-  /** What the lecturer may say and do; only the speaker's window shows it. */
+  /** Notes for the lecturer, shown only in the speaker's window. */
   readonly notes?: string;
 }
 
-/** The question of each section; a section without one shows its figure at once. */
+/** The question of each section. A section without one shows its figure immediately. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
     question: "At least one of five cells echoed; a beam passed three. What of the other two?",

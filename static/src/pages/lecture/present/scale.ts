@@ -2,13 +2,13 @@ import { effect } from "@preact/signals";
 import { isPreview, presenting } from "./state";
 
 /**
- * The size that slides are laid out for, CSS pixels; a screen shows them enlarged as a whole, type with figures. On
- * 1920 × 1080 it is enlarged by 1.379, so that labels of 16 px are 22 px.
+ * The size for which slides are laid out, CSS pixels. A screen shows them enlarged as a whole, text included. On 1920 ×
+ * 1080 the factor is 1.379, so labels of 16 px become 22 px.
  */
 export const SLIDE = { width: 1392, height: 783 } as const;
 
 /**
- * Narrower windows are not projectors, of which the smallest have 1024 × 768: their slides keep the sizes of the page,
+ * Narrower windows are not projectors, of which the smallest have 1024 × 768. Their slides keep the sizes of the page
  * and may scroll.
  */
 const SMALLEST = 1000;
@@ -24,14 +24,14 @@ export function scaleOf(width: number, height: number, preview: boolean): number
 }
 
 /**
- * The share of its size at which a slide is shown where the line of a class takes part of the height: what fitted
- * without the line fits above it. `taken` is the height of the line, `left` what the slide has beside it, pixels.
+ * The factor by which a slide is reduced when the line of a class takes part of the height, so that what fitted without
+ * the line fits above it. `taken` is the height of the line, `left` the remaining height, pixels.
  */
 export function shareOf(width: number, left: number, taken: number): number {
   return isProjector(width, false) && left > 0 ? left / (left + taken) : 1;
 }
 
-/** Keep the slides enlarged as far as the window allows; the returned function stops it. */
+/** Keep the slides enlarged as far as the window allows. The returned function stops it. */
 export function keepScale(): () => void {
   const root = document.documentElement;
   const settle = (): void => {
@@ -47,7 +47,7 @@ export function keepScale(): () => void {
     const on = presenting.peek() && line !== null;
     slide.style.zoom = on ? String(shareOf(innerWidth, height(slide), height(line))) : "";
   };
-  // The line of a class comes and goes, and grows with a question.
+  // The line of a class appears and disappears, and grows with a question.
   const sizes = new ResizeObserver(share);
   const app = document.getElementById("app") as HTMLElement;
   const watch = (): void => {

@@ -1,4 +1,6 @@
-/** The answers that this page has: the lecturer's and a reader's all, a follower's the one that the lecturer shows. */
+/**
+ * The answers that this page has: the lecturer and a reader have all, a follower has the one that the lecturer shows.
+ */
 
 import { signal } from "@preact/signals";
 import { followedCode } from "../../../store/classroom";
@@ -15,11 +17,11 @@ export const answerOf = (of: Slide | undefined): Answer | undefined =>
 
 const notes = signal<Readonly<Record<string, string>>>({});
 
-/** The notes that a slide comes with which is not of a section. */
+/** The default notes of a slide that does not belong to a section. */
 export const otherNotes = (of: Slide | undefined): string | undefined =>
   of && notes.value[of.kind === "derivation" ? `${of.section}-derivation` : of.kind];
 
-/** Fetch the answers, again and again while the server does not answer; not for a follower of a class. */
+/** Fetch the answers, repeatedly while the server does not answer; not for a follower of a class. */
 export async function fetchAnswers(): Promise<void> {
   if (followedCode !== null) return;
   try {

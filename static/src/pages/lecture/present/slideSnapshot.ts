@@ -1,6 +1,6 @@
-/** A small picture of a page: its document as an SVG image, see the element foreignObject of SVG 2, section 12.4. */
+/** A small picture of a page: its document as an SVG image with the element foreignObject of SVG 2, section 12.4. */
 
-/** The rules of all style sheets. Fonts are left out: an SVG image fetches nothing. */
+/** The rules of all style sheets. Fonts are omitted, because an SVG image loads nothing. */
 function rulesOf(page: Document): string {
   const rules = [...page.styleSheets].flatMap((sheet) => [...sheet.cssRules]);
   return rules
@@ -9,7 +9,7 @@ function rulesOf(page: Document): string {
     .join("\n");
 }
 
-/** A canvas of this size whose pixels are read back: without a graphics processor, which takes longer to give them. */
+/** A canvas of this size whose pixels are read back; without a graphics processor, from which reading is slower. */
 function readable(width: number, height: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
   const canvas = document.createElement("canvas");
   canvas.width = Math.max(1, Math.round(width));
@@ -20,7 +20,7 @@ function readable(width: number, height: number): [HTMLCanvasElement, CanvasRend
   return [canvas, context];
 }
 
-/** What a canvas shows, as the address of an image that is `width` pixels wide. */
+/** The content of a canvas as the address of an image that is `width` pixels wide. */
 function canvasImage(from: HTMLCanvasElement, width: number): string {
   const [canvas, context] = readable(width, (width * from.height) / from.width);
   context.drawImage(from, 0, 0, canvas.width, canvas.height);
@@ -28,8 +28,8 @@ function canvasImage(from: HTMLCanvasElement, width: number): string {
 }
 
 /**
- * A copy of what an element shows, without what `omitted` selects: canvases have their picture as background, with
- * `scale` pixels for each of CSS.
+ * A copy of an element as displayed, without what `omitted` selects. Canvases become background images with `scale`
+ * pixels per CSS pixel.
  */
 function stillCopy(root: HTMLElement, omitted: string, scale: number): HTMLElement {
   const copy = root.cloneNode(true) as HTMLElement;
@@ -52,8 +52,8 @@ function stillCopy(root: HTMLElement, omitted: string, scale: number): HTMLEleme
 const escaped = (text: string): string => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
 
 /**
- * An SVG image of a document, in the light or dark colours. Its text is put together here: in a document of this page,
- * the Content-Security-Policy would forbid the styles.
+ * An SVG image of a document in the light or dark colours. It is assembled as text, because the Content-Security-Policy
+ * of this page would forbid the styles in a document.
  */
 function imageSource(page: Document, { width, height, to, dark, omitted }: SnapshotOptions): string {
   const root = page.documentElement;
@@ -61,7 +61,7 @@ function imageSource(page: Document, { width, height, to, dark, omitted }: Snaps
   const content = new XMLSerializer().serializeToString(
     stillCopy(root, `script, link, style, iframe, ${omitted}`, to / width),
   );
-  // The root of the image, to which rem and the design tokens refer, is not that of the page.
+  // The root of the image, to which rem and the design tokens refer, is not the root of the page.
   const style = `font-size: ${fontSize}; color-scheme: ${dark ? "dark" : "light"}`;
   const image =
     `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" style="${style}">` +
@@ -77,11 +77,11 @@ interface SnapshotOptions {
   /** The width of the picture, pixels. */
   readonly to: number;
   readonly dark: boolean;
-  /** Selects what is not drawn. */
+  /** Selects what is omitted. */
   readonly omitted: string;
 }
 
-/** Draw a document of this origin; returns the address of the picture. Rejects where the browser does not allow it. */
+/** Draw a document of this origin and return the address of the picture. Rejects if the browser does not allow it. */
 export async function snapshotOf(page: Document, options: SnapshotOptions): Promise<string> {
   const { width, height, to } = options;
   const image = new Image(width, height);

@@ -1,4 +1,4 @@
-/** The window with the slides and that of the speaker, on one channel of the browser: no server is needed. */
+/** Connects the window with the slides and the speaker's window by a channel of the browser, without a server. */
 
 import { effect } from "@preact/signals";
 import { act } from "./acts";
@@ -8,17 +8,17 @@ import { actOnPoll, type Poll, type PollAct, pollOf } from "./poll";
 import { answerOf, otherNotes } from "./shownAnswers";
 import { blank, deck, hashOf, type Place, place, slides, stepped } from "./state";
 
-/** What the speaker's window shows. */
+/** The state of the speaker's window. */
 export interface SpeakerState {
   readonly title: string;
   readonly notes: string;
-  /** The fragments of the present slide and of the one after the next step; null at the end. */
+  /** The fragments of the present slide and of the slide after the next step; null at the end. */
   readonly now: string;
   readonly next: string | null;
   readonly number: number;
   readonly total: number;
   readonly blank: boolean;
-  /** Minutes from the beginning to the end of this slide, and to that of the last, as planned; null without a plan. */
+  /** Planned minutes from the start to the end of this slide and of the last one; null without a plan. */
   readonly plan: { readonly until: number; readonly total: number } | null;
   readonly poll: Poll | null;
 }
@@ -33,7 +33,7 @@ const named = (id: string): BroadcastChannel => new BroadcastChannel(`gridbloom-
 
 const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? otherNotes(of) ?? "";
 
-/** The plan at slide `number` of those that are shown, from 1. */
+/** The plan at shown slide `number`, from 1. */
 function planOf(shown: readonly Slide[], number: number): SpeakerState["plan"] {
   const sum = (of: readonly Slide[]): number => of.reduce((minutes, slide) => minutes + (slide.minutes ?? 0), 0);
   const total = sum(shown);
@@ -63,7 +63,7 @@ function speakerState(at: Place): SpeakerState {
 let channel: BroadcastChannel | null = null;
 const id = Math.random().toString(36).slice(2, 10);
 
-/** Open the speaker's window; from then on it follows the slides, and its keys control them. */
+/** Open the speaker's window. It follows the slides, and its keys control them. */
 export function openSpeaker(): boolean {
   if (!channel) {
     const opened = named(id);
@@ -82,13 +82,13 @@ export function openSpeaker(): boolean {
   return window.open(`/lecture.html?speaker=${id}`, `gridbloom-speaker-${id}`, "popup,width=1280,height=720") !== null;
 }
 
-/** What the speaker's window can have done. */
+/** The actions of the speaker's window. */
 export interface Remote {
   readonly act: (act: Act) => void;
   readonly poll: (act: PollAct) => void;
 }
 
-/** In the speaker's window: follow the slides of `id`; the returned functions send what a key or a button asks for. */
+/** In the speaker's window: follow the slides of `id`. The returned functions send the requests of keys and buttons. */
 export function followSlides(id: string, show: (speakerState: SpeakerState) => void): Remote {
   const opened = named(id);
   opened.onmessage = ({ data }: MessageEvent<Message>) => {

@@ -4,7 +4,7 @@ import { Thresholds } from "../../../lessons/thresholds/Thresholds";
 import { presenting } from "../present/state";
 import { Section, type SectionHead } from "../Section";
 
-/** The free_thresh of the text's figure, and that of the slide, which asks about it. */
+/** The free_thresh of the text's figure, and that of the slide's question. */
 const textReadsFree = signal<number>(STATED.free);
 const slideReadsFree = signal(0.25);
 

@@ -44,14 +44,14 @@ export function OctreeSection(head: SectionHead) {
 
 interface LabLinkProps {
   readonly world: string;
-  /** Parameters of the 3D map that differ from the first ones. */
+  /** Parameters of the 3D map that differ from the initial ones. */
   readonly map3d: Values;
   readonly children: ComponentChildren;
 }
 
 const LAB = "/lab.html";
 
-/** A link to a new world of the lab in which a 3D map with these parameters begins. */
+/** A link to a new world of the lab that starts with a 3D map of these parameters. */
 function LabLink({ world, map3d, children }: LabLinkProps) {
   const address = useSignal(LAB);
   const values = JSON.stringify(map3d);

@@ -1,4 +1,4 @@
-/** Where a robot is in a map that it is given, each with its scene. */
+/** Localization in a given map, each section with its scene. */
 
 import { Prediction } from "../../../lessons/common/Prediction";
 import { KldNumber } from "../formulas";

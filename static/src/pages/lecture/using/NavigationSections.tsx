@@ -1,4 +1,4 @@
-/** Costmaps and paths, each with its scene. */
+/** Costmaps and paths, each section with its scene. */
 
 import { LaterFigure, OnStage, Section, type SectionHead, SectionLink } from "../Section";
 

@@ -1,4 +1,4 @@
-/** What goes wrong with maps of real buildings, each with its scene. */
+/** Faults of maps of real buildings, each section with its scene. */
 
 import { SideView } from "../../../lessons/heights/SideView";
 import { peopleOn, peopleScans, polishedOn } from "../../../lessons/stage/controls";

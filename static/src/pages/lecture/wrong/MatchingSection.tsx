@@ -2,7 +2,7 @@ import { Matching } from "../../../lessons/matching/Matching";
 import { Sketch, type SketchName } from "../../../lessons/matching/Sketch";
 import { Section, type SectionHead } from "../Section";
 
-/** The ways in which poses are corrected by matching, each with its drawing and one sentence. */
+/** The methods of scan matching, each with its drawing and one sentence. */
 const REALIZATIONS: readonly {
   readonly name: string;
   readonly sketch: SketchName;

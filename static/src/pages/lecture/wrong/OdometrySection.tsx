@@ -10,7 +10,7 @@ import { Section, type SectionHead, SectionLink } from "../Section";
 
 const noise = signal(USUAL);
 const DEGREE = Math.PI / 180;
-/** The noise of the question. */
+/** The noise in the question. */
 const TWICE = { ...USUAL, turn: 2 * USUAL.turn };
 
 export function OdometrySection(head: SectionHead) {

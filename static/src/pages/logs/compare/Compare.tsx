@@ -33,7 +33,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   const busy = useSignal(false);
   const wish = useSignal<Kind>("settings");
   useSignalEffect(() => {
-    // Also a link or another visitor can make the choice.
+    // A link or another visitor can also make the choice.
     const now = store.compared.value;
     if (now) wish.value = kindOf(now);
   });
@@ -218,7 +218,7 @@ function Sides({ store, compared }: { readonly store: Store; readonly compared: 
   );
 }
 
-/** Explanation of the merged map, and when its evidence is independent. */
+/** Explains the merged map, and when its evidence is independent. */
 function Merge({ compared }: { readonly compared: Compared }) {
   return (
     <p class="quiet">

@@ -1,4 +1,4 @@
-/** The view of the other map of a comparison; without one, the other poses of the log to compare with. */
+/** The view of the other map of a comparison; without one, a choice of the log's other poses. */
 
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../../store/store";

@@ -15,7 +15,7 @@ export interface Linked {
   readonly at?: number;
   readonly every?: number;
   readonly mark?: Marked;
-  /** The other map; of its parameters only those that differ from the defaults. */
+  /** The other map; only the parameters that differ from the defaults. */
   readonly a: ComparedMap;
   /** The map that the sliders change, likewise. */
   readonly b: { readonly values: Values; readonly trajectory: string; readonly index?: number };
@@ -42,13 +42,13 @@ export function linkFromAddress(fragment: string): Linked | null {
 
 export const fragmentOf = (linked: Linked): string => MARK + encodeURIComponent(JSON.stringify(linked));
 
-/** The values that are not those of the table. */
+/** The values that differ from those of the table. */
 export function changed(table: readonly Parameter[], values: Values): Values {
   const rows = table.filter((row) => values[row.name] !== undefined && values[row.name] !== row.initial);
   return Object.fromEntries(rows.map((row) => [row.name, values[row.name] as Value]));
 }
 
-/** All values; those that are missing have their defaults. */
+/** All values; missing ones have their defaults. */
 export const whole = (table: readonly Parameter[], values: Values): Values => ({
   ...Object.fromEntries(table.map((row) => [row.name, row.initial])),
   ...values,
@@ -87,7 +87,7 @@ function linkedOf(store: Store, comparison: Comparison): Linked | null {
   };
 }
 
-/** Delay from a change to the update of the address. */
+/** Delay between a change and the update of the address. */
 const SETTLE_MS = 400;
 
 /** Keep the address up to date with the comparison; the returned function stops it. */
@@ -108,7 +108,7 @@ export function keepAddress(store: Store, comparison: Comparison): () => void {
   };
 }
 
-/** Restore the comparison of a link. A session that already compares keeps its maps; in another both are set up. */
+/** Restore the comparison of a link. A session that already compares keeps its maps; otherwise both are set up. */
 export async function restore(
   session: string,
   store: Store,

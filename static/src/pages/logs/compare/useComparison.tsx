@@ -8,7 +8,7 @@ import { toast } from "../../../ui/Toast";
 import { keepAddress, linkFromAddress, restore } from "./link";
 import { names } from "./sides";
 
-/** Both maps of a comparison in the one picture, as the address says while it says so, or the fragment of a link. */
+/** Both maps of a comparison in one picture, as described by the address or by the fragment of a link. */
 export function useComparison(session: string, store: Store, fragment: string | null = null): Comparison {
   const comparison = useMemo(() => new Comparison(store), [store]);
   useEffect(() => {
@@ -17,7 +17,7 @@ export function useComparison(session: string, store: Store, fragment: string | 
     const follow = (): void => void stops.push(keepAddress(store, comparison));
     if (!linked) follow();
     else {
-      // Once the session has told what it compares.
+      // When the session has reported what it compares.
       let isRestored = false;
       const stop = effect(() => {
         if (isRestored || !store.isReady.value || !store.trajectory.value) return;

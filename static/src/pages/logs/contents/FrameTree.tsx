@@ -1,4 +1,4 @@
-/** The tree of frames as a picture, each transform at the moment sought, and the frames that only messages name. */
+/** The tree of frames as a picture, each transform at the selected time, and the frames that only messages name. */
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
@@ -26,8 +26,8 @@ interface PlacedFrame {
 }
 
 /**
- * Place every frame: roots first in the order of their names, that of the fixed frame before the others. A frame of a
- * loop, which no root leads to, begins a tree of its own.
+ * Place every frame: roots in the order of their names, with that of the fixed frame first. A frame of a loop, which is
+ * not reachable from a root, starts another tree.
  */
 export function placedFrames(
   names: readonly string[],
@@ -65,11 +65,13 @@ export function placedFrames(
 interface NamedFrame {
   readonly name: string;
   readonly topics: readonly string[];
-  /** What the transforms lack, as the rest of a sentence. */
+  /** What the transforms lack, as the end of a sentence. */
   readonly lacks: string;
 }
 
-/** The frames that messages name and that no transform joins with the fixed one; `tree` is null without transforms. */
+/**
+ * The frames that messages name and that no transform connects to the fixed frame; `tree` is null without transforms.
+ */
 export function unjoinedFrames(
   topics: readonly Pick<TopicFieldsAnswer, "topic" | "frames">[],
   tree: Pick<FramesAnswer, "frames" | "elsewhere" | "edges" | "fixed"> | null,
@@ -92,7 +94,7 @@ export function unjoinedFrames(
     .sort((a, b) => a.name.localeCompare(b.name));
 }
 
-/** Whether a transform is older than two of its usual pauses, and more than 0.2 s. */
+/** Whether a transform is older than twice its usual interval and more than 0.2 s. */
 export function isLate({ static: isStatic, age_s: age, rate_hz: rate }: FrameEdgeAnswer): boolean {
   if (isStatic) return false;
   return age === null || age > Math.max(0.2, rate === null ? 1 : 2 / rate);
@@ -211,7 +213,7 @@ const DEGREES = 180 / Math.PI;
 const three = (values: readonly number[] | null, digits: number, unit: string): string =>
   values === null ? "not yet" : `${values.map((value) => written(value, digits)).join(", ")} ${unit}`;
 
-/** Where each frame is in its parent at the moment, and who says so. */
+/** The position of each frame in its parent at the selected time, and its publisher. */
 function Transforms({ edges }: { readonly edges: readonly FrameEdgeAnswer[] }) {
   return (
     <table class="topics">
@@ -250,10 +252,10 @@ function Transforms({ edges }: { readonly edges: readonly FrameEdgeAnswer[] }) {
   );
 }
 
-/** An edge in a word; one frame can have several parents, and a parent several topics. */
+/** An edge in a word. A frame can have several parents, and a parent several topics. */
 const nameOf = ({ topic, parent, child }: FrameEdgeAnswer): string => `${child} in ${parent} on ${topic}`;
 
-/** The age of a chosen transform over the time of the log. */
+/** The age of a selected transform over the time of the log. */
 function Age({ store, session, edges }: FrameTreeProps & { readonly edges: readonly FrameEdgeAnswer[] }) {
   const moving = edges.filter((edge) => !edge.static);
   const name = useSignal("");
@@ -294,7 +296,7 @@ function Age({ store, session, edges }: FrameTreeProps & { readonly edges: reado
 const LINE = 34;
 const INDENT = 22;
 const BOX = 24;
-const CHARACTER = 7.6; // px of a character in a box, on the safe side
+const CHARACTER = 7.6; // width of a character in a box, px, rounded up
 
 function Picture({ frames }: { readonly frames: FramesAnswer }) {
   const placed = placedFrames(frames.frames, frames.edges, frames.fixed);

@@ -1,4 +1,4 @@
-/** Images and clouds of the moment that the log is at. */
+/** Images and clouds at the log's present time. */
 
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
@@ -15,7 +15,7 @@ import { WhenKnown } from "./useContents";
 interface PicturesProps {
   readonly store: Store;
   readonly session: string;
-  /** The topic that is shown; "" for the first. */
+  /** The topic shown; "" for the first. */
   readonly pictured: Signal<string>;
 }
 
@@ -97,7 +97,7 @@ const IS_SEEN: Readonly<Record<NonNullable<CameraAnswer["where"]>, string>> = {
   behind: "lies behind the camera",
 };
 
-/** Where a picture has the selected place; null until it is known. */
+/** The pixel of the selected place in a picture; null until it is known. */
 function useSight(store: Store, session: string, shown: Shown | null): CameraAnswer | null {
   const sight = useSignal<CameraAnswer | null>(null);
   const trajectory = store.trajectory.value;
@@ -115,7 +115,7 @@ function useSight(store: Store, session: string, shown: Shown | null): CameraAns
       (answer) => {
         sight.value = answer;
       },
-      () => undefined, // without an answer nothing is marked
+      () => undefined, // without an answer there is no mark
     );
     return () => ending.abort();
   }, [shown, x, y, trajectory]);
@@ -128,7 +128,7 @@ interface MarkedProps {
   readonly sight: CameraAnswer | null;
 }
 
-/** A picture, and a mark where it shows a place; the drawing is scaled as the picture is. */
+/** A picture with a mark at the selected place, scaled as the picture. */
 function Marked({ src, alt, sight }: MarkedProps) {
   const size = useSignal<readonly [width: number, height: number]>([1, 1]);
   const [width, height] = size.value;

@@ -1,4 +1,4 @@
-/** One plot over time, or of numbers over another one, drawn by uPlot. */
+/** A plot over time, or of quantities over another one, drawn by uPlot. */
 
 import { effect, type Signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -29,7 +29,7 @@ import {
 import { type Span, scanAtTime } from "./series";
 import "uplot/dist/uPlot.min.css";
 
-/** The lowest and the highest value, a little apart where all are the same. */
+/** The minimum and the maximum, slightly apart if all values are equal. */
 function rangeOf(values: readonly (number | null)[]): [number, number] {
   let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
   for (const value of values) {
@@ -42,7 +42,7 @@ function rangeOf(values: readonly (number | null)[]): [number, number] {
   return [low - margin, high + margin];
 }
 
-/** Options of a plot over time, changed for values over those of another column; a click goes to the time of a pair. */
+/** Options of a plot over time, changed for a plot over another column. A click goes to the time of a pair. */
 function overEachOther(
   options: UPlot.Options,
   store: Store,
@@ -70,7 +70,7 @@ function overEachOther(
     });
     return { stroke, fill: null, clip: null, gaps: null, band: null, flags: 1 } as unknown as UPlot.Series.Paths;
   };
-  /** The pair that is nearest to a place of the plot, in px. */
+  /** The pair nearest to a point of the plot, px. */
   const nearestPair = (chart: UPlot, line: number, left: number, top: number): number | null => {
     let [best, least]: [number | null, number] = [null, Number.POSITIVE_INFINITY];
     columns[line - 1]?.values.forEach((value, n) => {
@@ -81,7 +81,7 @@ function overEachOther(
     });
     return best;
   };
-  /** The pairs at a time, each on its line. */
+  /** The pairs at a time, one on each line. */
   const dotsAt = (chart: UPlot, at: number): Path2D[] => {
     const n = Math.max(
       0,
@@ -170,17 +170,17 @@ interface PlotProps {
   /** Which columns. */
   readonly plot: string;
   /**
-   * The interval that is shown, of several plots together; null for the whole log. Whoever owns it fetches finer values
-   * when it changes. Without it a plot zooms into the values that it has.
+   * The interval shown by several plots together; null for the whole log. Its owner fetches finer values when it
+   * changes. Without it, a plot zooms into its present values.
    */
   readonly zoom?: Signal<Span | null>;
-  /** The place of the column that the others are plotted over, in place of time. */
+  /** The index of the column on the horizontal axis, instead of time. */
   readonly across?: number;
 }
 
 const HEIGHT = 150;
 const ACROSS_HEIGHT = 300;
-/** Colour roles and dashes of the lines: lines are told apart by both. */
+/** Colour roles and dashes of the lines; lines differ in both. */
 const LINES: readonly { readonly tone: string; readonly dash: number[] }[] = [
   { tone: "--miss", dash: [] },
   { tone: "--hit", dash: [6, 3] },
@@ -255,14 +255,14 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
   );
 }
 
-/** Of a plot that zooms into the values that it has. */
+/** For a plot that zooms into its present values. */
 const CURSOR: UPlot.Cursor = {
   drag: { x: true, y: false, dist: DRAG_PX },
   points: { size: 6 },
   sync: { key: "log" },
 };
 
-/** Have the legend state the values at the map's moment while the pointer is over no plot. */
+/** While the pointer is over no plot, the legend states the values at the map's time. */
 function showMoment(chart: UPlot, store: Store, { times, gaps }: Plotted): void {
   const at = store.frame.peek()?.stamp;
   if (at === undefined || (chart.cursor.left ?? -1) >= 0) return;
@@ -271,7 +271,7 @@ function showMoment(chart: UPlot, store: Store, { times, gaps }: Plotted): void 
   chart.setLegend({ idxs: idxs.map((one) => (one < 0 ? null : one)) }, false);
 }
 
-/** The row nearest to one that has a value. */
+/** The nearest row with a value. */
 function nearestKnown(values: ArrayLike<number | null | undefined>, row: number): number {
   for (let away = 0; away < values.length; away++) {
     if (values[row - away] != null) return row - away;
@@ -280,16 +280,16 @@ function nearestKnown(values: ArrayLike<number | null | undefined>, row: number)
   return row;
 }
 
-const [RIGHT, LEFT] = [1, 3]; // as uPlot numbers the sides
+const [RIGHT, LEFT] = [1, 3]; // uPlot's numbers of the sides
 const scaleOf = (unit: string): string => `y ${unit}`;
 const scaleFor = (unit: string): UPlot.Scale => ({
   range: (_, low, high) => rangeWith(unit, ...(UPlot.rangeNum(low ?? 0, high ?? 1, 0.1, true) as [number, number])),
 });
-/** A number with six digits, as a value and its time can be far apart in size. */
+/** A number with six digits, because a value and its time can differ much in magnitude. */
 const shortNumber = (value: number): string =>
   value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6) ? value.toPrecision(6) : written(value, 3);
 
-/** The value that all have in common, NaN without any; null where they differ and are worth a chart. */
+/** The value that all have in common, NaN without any; null if they differ, so that a chart is worthwhile. */
 function levelOf(values: readonly (number | null)[]): number | null {
   const known = values.filter((value) => value !== null);
   const first = known[0] ?? Number.NaN;
@@ -324,7 +324,7 @@ function optionsOf(
     width,
     height: HEIGHT,
     legend: { show: true, live: true },
-    // Each unit has a scale of its own, in turn on the left and on the right.
+    // Each unit has a separate scale, alternately on the left and on the right.
     scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), scaleFor(unit)])) },
     axes: [
       { ...axis, size: 26, ...timeAxis(60, start) },

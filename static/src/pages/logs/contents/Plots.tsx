@@ -1,4 +1,4 @@
-/** Any numbers of a recording over time; IMU, odometry, battery and commands are ready. */
+/** Any numeric fields of a recording over time. Those of IMU, odometry, battery and commands are preselected. */
 
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";

@@ -21,7 +21,7 @@ interface TopicsProps {
   readonly onMessages: (topic: string) => void;
 }
 
-/** Every topic of a recording with its type, count, rate, span and size; those of sensors can be mapped. */
+/** Every topic of a recording with its type, count, rate, duration and size. Those of sensors can be mapped. */
 export function Topics({ store, sensor, log, onMessages }: TopicsProps) {
   return (
     <WhenKnown>
@@ -41,7 +41,7 @@ export function Topics({ store, sensor, log, onMessages }: TopicsProps) {
   );
 }
 
-/** Images that a scan can be cut out of have depths: drivers name their topics so. */
+/** Depth images, from which a scan can be cut; drivers name their topics so. */
 const isSensor = ({ mapped, cut, name, type }: TopicAnswer): boolean =>
   mapped !== null || (cut && (!type.endsWith("Image") || /depth/i.test(name)));
 
@@ -49,7 +49,7 @@ interface TableProps {
   readonly store: Store;
   readonly contents: ContentsAnswer;
   readonly sensor: SensorState | null;
-  /** The topics that the map is made of. */
+  /** The topics of the map. */
   readonly mapped: readonly string[];
   readonly onMessages: (topic: string) => void;
 }
@@ -107,7 +107,7 @@ function Table({ store, contents, sensor, mapped, onMessages }: TableProps) {
   );
 }
 
-/** When the first message of all topics was recorded, and the last, s; infinite and reversed without any time. */
+/** Times of the first and of the last message of all topics, s; infinite and reversed if there are no times. */
 function wholeSpan(topics: readonly TopicAnswer[]): readonly [first: number, last: number] {
   const times = topics.flatMap(({ first_s, last_s }) => [first_s, last_s]).filter((time) => time !== null);
   return [Math.min(...times), Math.max(...times)];
@@ -118,7 +118,7 @@ interface RowProps {
   readonly topic: TopicAnswer;
   readonly whole: readonly [first: number, last: number];
   readonly isMapped: boolean;
-  /** Maps the topic by itself; null where no map can be made of it. */
+  /** Maps the topic alone; null if it cannot be mapped. */
   readonly sensor: SensorState | null;
   readonly onMessages: () => void;
 }

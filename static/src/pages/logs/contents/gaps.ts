@@ -1,4 +1,4 @@
-/** Lines of a plot that end where the recording has a gap. */
+/** Lines of a plot that are interrupted at gaps of the recording. */
 
 import type UPlot from "uplot";
 import type { SeriesAnswer } from "../../../wire/http";
@@ -6,12 +6,12 @@ import type { Span } from "./series";
 
 type Gapped = Pick<SeriesAnswer, "times" | "gaps">;
 
-/** Whether a place on the axis is within a gap, and not at one of its ends. */
+/** Whether a position on the axis is inside a gap, not at one of its ends. */
 export function isInGap(gaps: readonly Span[], at: number): boolean {
   return gaps.some(([from, to]) => at > from && at < to);
 }
 
-/** Spans in ascending order, those that overlap as one. */
+/** Intervals in ascending order, with overlapping ones merged. */
 export function united(spans: readonly Span[]): [number, number][] {
   const gaps: [number, number][] = [];
   for (const [from, to] of [...spans].sort((a, b) => a[0] - b[0])) {
@@ -22,11 +22,11 @@ export function united(spans: readonly Span[]): [number, number][] {
   return gaps;
 }
 
-/** The rows with a value that no line leads to: one alone between two gaps, or between a gap and the end. */
+/** The rows with a value that no line reaches: single rows between two gaps, or between a gap and the end. */
 export function isolatedRows({ times, gaps }: Gapped, values: readonly (number | null | undefined)[]): number[] {
   const rows: number[] = [];
   let gap = 0;
-  let of = -1; // the gap that the present piece of the line follows
+  let of = -1; // the gap before the present piece of the line
   let count = 0;
   times.forEach((time, row) => {
     if (values[row] == null) return;
@@ -41,7 +41,7 @@ export function isolatedRows({ times, gaps }: Gapped, values: readonly (number |
 
 const valuesOf = (chart: UPlot, line: number) => (chart.data[line] ?? []) as readonly (number | null)[];
 
-/** How uPlot draws a line of a series: not over its gaps; over missing values only if it is told to. */
+/** How uPlot draws a line of a series: interrupted at its gaps, and across missing values only if requested. */
 export function brokenAtGaps(series: Gapped, spansMissing: boolean): Partial<UPlot.Series> {
   return {
     gaps: (chart, _line, _first, _last, missing) => {

@@ -1,8 +1,8 @@
-/** Rates and ages of what a log's recording holds, as text. */
+/** Rates and ages of the contents of a recording as text. */
 
 import { timeText } from "../../../ui/timeText";
 
-/** A rate as text: 10.0 Hz, and for slow topics the time between two messages. */
+/** A rate as text: 10.0 Hz; for slow topics the interval of messages. */
 export function rateLabel(rate: number | null): string {
   if (rate === null) return "–";
   if (rate >= 0.1) return `${rate < 100 ? rate.toFixed(1) : Math.round(rate)} Hz`;

@@ -1,4 +1,4 @@
-/** What all plots over the time of a log have in common: colours, axes, the moment of the map, zooming by a drag. */
+/** What all plots over a log's time have in common: colours, axes, the map's time, zooming by a drag. */
 
 import type { Signal } from "@preact/signals";
 import type UPlot from "uplot";
@@ -10,7 +10,7 @@ import type { Span } from "./series";
 /** Horizontal distance from which a press is a drag, px. */
 export const DRAG_PX = 6;
 
-/** The colour of a role within an element, as a canvas takes it. */
+/** The colour of a role within an element, for a canvas. */
 export function colourOf(element: HTMLElement, role: string): string {
   const probe = document.createElement("span");
   probe.style.color = `var(${role})`;
@@ -29,19 +29,19 @@ export function axisStyle(element: HTMLElement): UPlot.Axis {
   };
 }
 
-/** Distances of the times on an axis, s: whole minutes and hours beyond a minute. */
+/** Steps of an axis of times, s: whole minutes and hours beyond a minute. */
 export const TIME_STEPS: number[] = [
   ...[1e-3, 1e-2, 0.1].flatMap((step) => [step, 2 * step, 5 * step]),
   ...[1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400, 21_600, 43_200, 86_400],
 ];
 
-/** Round distances of the labels on an axis, for numbers that span `length`. */
+/** Round steps of an axis of numbers that spans `length`. */
 function roundSteps(length: number): number[] {
   const power = Math.floor(Math.log10(length)) - 2;
   return [0, 1, 2].flatMap((more) => [1, 2, 5].map((digit) => Number(`${digit}e${power + more}`)));
 }
 
-/** The multiples of `step` within an interval; null where there would be more than `most`. */
+/** The multiples of `step` within an interval; null if there are more than `most`. */
 function multiples(step: number, low: number, high: number, most: number): number[] | null {
   const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
   if (last - first >= most) return null;
@@ -49,8 +49,8 @@ function multiples(step: number, low: number, high: number, most: number): numbe
 }
 
 /**
- * Places of the labels on an axis: multiples of one of the ascending `steps`, at least three, and no more than `most`.
- * Without `steps` they are round numbers. uPlot itself leaves one or two where an axis is short.
+ * Positions of the labels on an axis: multiples of one of the ascending `steps`, at least three and at most `most`.
+ * Without `steps` they are round numbers. uPlot itself leaves one or two on a short axis.
  */
 export function labelPlaces(low: number, high: number, most: number, steps?: readonly number[]): number[] {
   if (!(high > low)) return [low];
@@ -60,7 +60,8 @@ export function labelPlaces(low: number, high: number, most: number, steps?: rea
     if (!places) continue;
     if (places.length <= most) {
       if (places.length >= 3) return places;
-      // Four places where three have room, and the next step leaves two: as 0, 3, 6 instead of 0, 2, 4, 6 or 0, 5.
+      // Four labels where only three have room and the next step leaves two, such as 0, 3, 6 instead of 0, 2, 4, 6 or
+      // 0, 5.
       const between = steps || finerStep === 0 ? null : multiples(1.5 * finerStep, low, high, most);
       if (between && between.length >= 3) return between;
       const every = Math.floor((finer.length - 1) / 2);
@@ -72,8 +73,8 @@ export function labelPlaces(low: number, high: number, most: number, steps?: rea
 }
 
 /**
- * The labels that have room on the axis of a chart, each `space` px or more from the next. Labels of an axis in UTC
- * are round where 0 on it is `origin`.
+ * The labels that have room on the axis of a chart, at least `space` px apart. Labels of an axis in UTC are round if 0
+ * on it is `origin`.
  */
 export function labelsOn(space: number, steps?: number[], origin = 0): NonNullable<UPlot.Axis["splits"]> {
   return (chart, axis, low, high) => {
@@ -84,7 +85,7 @@ export function labelsOn(space: number, steps?: number[], origin = 0): NonNullab
   };
 }
 
-/** The range of an axis of numbers: shares of a whole do not go beyond it. */
+/** The range of an axis of numbers. Shares of a whole do not exceed 1. */
 export function rangeWith(unit: string, low: number, high: number): [number, number] {
   return unit === "%" ? [Math.max(0, low), Math.min(100, high)] : [low, high];
 }
@@ -92,20 +93,21 @@ export function rangeWith(unit: string, low: number, high: number): [number, num
 const PLAIN = new Intl.NumberFormat("en", { maximumSignificantDigits: 6 });
 const COMPACT = new Intl.NumberFormat("en", { maximumSignificantDigits: 6, notation: "compact" });
 
-/** Numbers on an axis; large ones as 250K. */
+/** Numbers on an axis; large ones such as 250K. */
 export const numberLabels = (splits: readonly number[]): string[] =>
   splits.map((at) => (Math.abs(at) >= 1e5 ? COMPACT : PLAIN).format(at).replace("-", "−"));
 
-/** The labels of an axis of times, s from the log's first scan: of that, or in UTC where `start` is its time. */
+/** The labels of an axis of times, s from the log's first scan, or in UTC if `start` is the time of that scan. */
 export const timeAxis = (space: number, start: number | null): Pick<UPlot.Axis, "splits" | "values"> => ({
-  // In UTC they need more room. The second of the day is the origin: since 1970 its digits would not suffice.
+  // In UTC they need more room. The second of the day is the origin, because seconds since 1970 would need too many
+  // digits.
   splits: labelsOn(start === null ? space : 1.3 * space, TIME_STEPS, (start ?? 0) % DAY_S),
   values: (_, splits) => timeLabels(splits, start),
 });
 
 const DAY_S = 86_400;
 
-/** Times on an axis: with as many decimals as their distance needs; those in UTC to the millisecond at most. */
+/** Times on an axis with the decimals that their spacing needs; in UTC at most to the millisecond. */
 export function timeLabels(splits: readonly number[], start: number | null = null): string[] {
   const step = (splits[1] ?? 1) - (splits[0] ?? 0);
   const digits = step >= 1 - 1e-9 ? 0 : Math.min(6, Math.ceil(-Math.log10(step) - 1e-6));
@@ -118,7 +120,7 @@ export function timeLabels(splits: readonly number[], start: number | null = nul
   });
 }
 
-/** A vertical line over the height of a chart, with the dashes of `dash`, CSS pixels. */
+/** A vertical line over the height of a chart with the dash pattern `dash`, CSS pixels. */
 export function drawLineAt(chart: UPlot, at: number, colour: string, dash: readonly number[] = []): void {
   const x = chart.valToPos(at, "x", true);
   const { left, top, width, height } = chart.bbox;
@@ -134,10 +136,10 @@ export function drawLineAt(chart: UPlot, at: number, colour: string, dash: reado
   chart.ctx.restore();
 }
 
-/** The mark of a place on the x axis that belongs to what is selected in all views. */
+/** The mark on the x axis of what is selected in all views. */
 export const drawSelectedAt = (chart: UPlot, at: number, colour: string): void => drawLineAt(chart, at, colour, [4, 4]);
 
-/** Calls `go` with the place on the x axis of each click that is not the end of a drag. */
+/** Calls `go` with the position on the x axis of each click that is not the end of a drag. */
 export function onClickAt(chart: UPlot, go: (at: number) => void): void {
   let from = 0;
   chart.over.addEventListener("pointerdown", (event) => {
@@ -149,7 +151,7 @@ export function onClickAt(chart: UPlot, go: (at: number) => void): void {
   });
 }
 
-/** A drag sets the interval, a double click ends it; uPlot's own zoom would show the coarse values enlarged. */
+/** A drag sets the interval, a double click resets it. uPlot's own zoom would only enlarge the coarse values. */
 export function zoomInto(zoom: Signal<Span | null>): UPlot.Cursor {
   return {
     drag: { x: true, y: false, dist: DRAG_PX, setScale: false },

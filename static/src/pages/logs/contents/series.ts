@@ -1,11 +1,11 @@
-/** The numbers of one topic's messages over time, as the server has downsampled them. */
+/** Numeric fields of one topic over time, downsampled by the server. */
 
 import type { Trajectory } from "../../../wire/protocol";
 
 /** An interval of the log's time, seconds. */
 export type Span = readonly [from: number, to: number];
 
-/** The number of scans in the map at a time: all those up to it. `every` scans are between two stamps. */
+/** The number of scans in the map at a time, which are all scans until then. `every` scans lie between two stamps. */
 export function scanAtTime(
   { stamps, every }: Pick<Trajectory, "stamps" | "every">,
   seconds: number,

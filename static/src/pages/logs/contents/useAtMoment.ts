@@ -2,7 +2,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
 
-/** Time between two requests while the log plays or is sought. */
+/** Minimum interval of requests while the log plays or is sought. */
 const EVERY_MS = 250;
 
 type AtMoment<T> =
@@ -11,8 +11,8 @@ type AtMoment<T> =
   | { readonly kind: "ready"; readonly value: T };
 
 /**
- * What the server says of the moment that the log is at: asked again when the moment or the address changes, at most
- * four times a second and one request at a time.
+ * The server's data at the log's present time: requested when the time or the address changes, at most four times per
+ * second and one request at a time.
  */
 export function useAtMoment<T>(
   store: Store,

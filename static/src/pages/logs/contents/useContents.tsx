@@ -18,17 +18,17 @@ export type ContentsState =
 
 export interface ContentsOfSession {
   readonly state: Signal<ContentsState>;
-  /** Find them out, where that was not begun and not cancelled. */
+  /** Start reading the contents, unless that was started or cancelled. */
   readonly begin: () => void;
-  /** Have the server stop, until `again` is called. */
+  /** Make the server stop until `again` is called. */
   readonly cancel: () => void;
   readonly again: () => void;
 }
 
-/** What all views of a log's page share, so that one cancels for all. */
+/** Shared by all views of a log's page, so that cancelling in one cancels in all. */
 export const ContentsContext = createContext<ContentsOfSession | null>(null);
 
-/** The contents of a session's recording, asked for from `begin` on. */
+/** The contents of a session's recording, requested when `begin` is set. */
 export function useContents(session: string): ContentsOfSession {
   const state = useSignal<ContentsState>({ kind: "idle" });
   const made = useMemo(() => contentsOf(session, state), [session]);
@@ -75,7 +75,7 @@ function contentsOf(session: string, state: Signal<ContentsState>): ContentsOfSe
     cancel: () => {
       end();
       state.value = { kind: "cancelled" };
-      // Whatever comes of it: without requests the server stops by itself, only later.
+      // The result does not matter: without requests the server stops by itself, only later.
       void send("DELETE /api/sessions/{session_id}/contents", { session_id: session }).catch(() => undefined);
     },
     again,
@@ -83,7 +83,7 @@ function contentsOf(session: string, state: Signal<ContentsState>): ContentsOfSe
   };
 }
 
-/** Shows the contents once they are known, and before that how far finding them out is. */
+/** Shows the contents once they are known, and until then the progress. */
 export function WhenKnown({ children }: { readonly children: (contents: ContentsAnswer) => ComponentChildren }) {
   const shared = useContext(ContentsContext);
   const now = shared?.state.value;

@@ -21,10 +21,10 @@ import "../../../tools/readout/readout.css";
 import "../../../tools/costmap/costmap.css";
 import "./costmaps.css";
 
-/** A view of recorded costmaps, as an address has it. */
+/** A view of recorded costmaps as stored in an address. */
 interface CostmapView {
   readonly topic: string;
-  /** The number of the costmap, 1 for the first. */
+  /** The number of the costmap, from 1. */
   readonly index: number;
   /** The visible part of the world; null: all of it. */
   readonly view: View | null;
@@ -37,7 +37,7 @@ export function fragmentOf({ topic, index, view }: CostmapView): string {
   return `#${query}`;
 }
 
-/** The view in the fragment of an address; null where it has none. */
+/** The view in the fragment of an address; null if it has none. */
 export function viewOf(fragment: string): CostmapView | null {
   const query = new URLSearchParams(fragment.slice(1));
   const index = Number(query.get("costmap"));
@@ -135,7 +135,7 @@ interface ShareCostmapProps {
   readonly sharedView: () => SharedView | null;
 }
 
-/** Links to what is seen now, and its address: the costmap, its topic, and the visible part. */
+/** Links to the present view, and its address: the costmap, its topic, and the visible part. */
 function ShareCostmap({ store, session, sharedView }: ShareCostmapProps) {
   const log = store.hello.value?.log;
   const frame = store.frame.value;
@@ -163,7 +163,7 @@ interface CostmapViewerProps {
   readonly session: string;
   /** Back to the logs; not for a guest. */
   readonly onClose?: () => void;
-  /** The session has ended on the server: begin another on the same recording. */
+  /** The session has ended on the server: start another one on the same recording. */
   readonly onGone: () => void;
   readonly guest?: GuestOfLink;
 }
@@ -248,7 +248,7 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
   );
 }
 
-/** Show what the address of the page says, once: then it says it no longer. */
+/** Show the view in the address of the page once; then remove it. */
 function showAddressed(store: Store): void {
   const shown = viewOf(location.hash);
   if (!shown) return;

@@ -1,4 +1,4 @@
-/** A plot of any numbers of any topics: added by search, over time or over each other. */
+/** A plot of any numeric fields of any topics, added by search, over time or over another field. */
 
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
@@ -28,7 +28,7 @@ import {
 import { type FieldsState, type FoundSeries, useFieldNames, useFieldSeries } from "./useFields";
 import "./fields.css";
 
-/** Matches of a search that are listed. */
+/** Number of listed matches of a search. */
 const MOST = 30;
 
 interface FieldPlotProps {
@@ -95,7 +95,7 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
   );
 }
 
-/** Whether the n-th column that there is belongs to the field on the horizontal axis. */
+/** Whether the n-th existing column belongs to the field on the horizontal axis. */
 function isAcross(chosen: readonly Chosen[], series: FoundSeries, n: number, across: string): boolean {
   const there = chosen.filter((item) => series.get(keyOf(item))?.kind === "ready");
   const item = there[n];

@@ -1,24 +1,24 @@
-/** Fields of messages that are plotted: which, what is made of them, and their numbers side by side. */
+/** Plotted fields of messages: which ones, what is computed from them, and their values in common rows. */
 
 import type { SeriesAnswer, SeriesColumn, TopicFieldsAnswer } from "../../../wire/http";
 import type { Span } from "../contents/series";
 
 export type Made = "value" | "derivative" | "average";
 
-/** A field that is plotted. */
+/** A plotted field. */
 export interface Chosen {
   readonly topic: string;
   /** Its path in the message. */
   readonly field: string;
   readonly made: Made;
-  /** Of the moving average, s. */
+  /** Window of the moving average, s. */
   readonly window: number;
 }
 
-/** The speed along the poses, which a log with times has. */
+/** The speed along the poses, available for a log with times. */
 export const SPEED: Pick<Chosen, "topic" | "field"> = { topic: "(scans)", field: "speed" };
 
-/** What the series are that are computed of a log. */
+/** Names of the series that are computed from a log. */
 export const COMPUTED: Readonly<Record<string, string>> = {
   speed: "Distance between the poses of two consecutive scans by the time between them",
   "turn rate": "Change of heading between two consecutive scans by the time between them, counter-clockwise",
@@ -42,19 +42,19 @@ export const WINDOWS = [0.2, 1, 5, 20] as const;
 
 export const keyOf = ({ topic, field }: Pick<Chosen, "topic" | "field">): string => `${topic} ${field}`;
 
-/** The fields that are plotted with another one, as it is in the messages; the same where it is among them. */
+/** The plotted fields with one added, as it is in the messages; unchanged if it is among them. */
 export function withField(chosen: readonly Chosen[], field: Pick<Chosen, "topic" | "field">): readonly Chosen[] {
   if (chosen.some((other) => keyOf(other) === keyOf(field))) return chosen;
   return [...chosen, { ...field, made: "value", window: 1 }];
 }
 
-/** What is shown of a field, as a legend has it. */
+/** The description of a field in a legend. */
 export function labelOf(chosen: Chosen): string {
   if (chosen.made === "derivative") return `d/dt ${keyOf(chosen)}`;
   return chosen.made === "average" ? `${keyOf(chosen)}, mean of ${chosen.window} s` : keyOf(chosen);
 }
 
-/** The fields whose topic and path have every word of a text, in either case of letters; at most `most`. */
+/** The fields whose topic and path contain every word of a text, ignoring case; at most `most`. */
 export function matching(
   topics: readonly TopicFieldsAnswer[],
   text: string,
@@ -73,12 +73,12 @@ export function matching(
   return found;
 }
 
-/** A column with the gaps of its own topic. */
+/** A column with the gaps of its topic. */
 export interface PlottedColumn extends SeriesColumn {
   readonly gaps?: readonly Span[];
 }
 
-/** Numbers of one or several topics over one row of times. */
+/** Values of one or several topics in common rows of time. */
 export interface Plotted extends Pick<SeriesAnswer, "topic" | "times" | "gaps"> {
   readonly columns: readonly PlottedColumn[];
 }
@@ -96,7 +96,7 @@ const column = ({ chosen, series }: Found, values: (number | null)[]): PlottedCo
   gaps: series.gaps,
 });
 
-/** Several fields over the times of all; null where a field has no value at a time. */
+/** Several fields at the times of all; null where a field has no value at a time. */
 export function joined(inputs: readonly Found[]): Plotted {
   const times = [...new Set(inputs.flatMap(({ series }) => series.times))].sort((a, b) => a - b);
   const place = new Map(times.map((time, n) => [time, n]));
@@ -110,7 +110,7 @@ export function joined(inputs: readonly Found[]): Plotted {
   return { topic: "", times, gaps: [], columns };
 }
 
-/** Several fields at the times of the one with a key: of the others what lies between their samples on a line. */
+/** Several fields at the times of the one with a key; the others are interpolated linearly between their samples. */
 export function paired(inputs: readonly Found[], key: string): Plotted | null {
   const across = inputs.find(({ chosen }) => keyOf(chosen) === key);
   if (!across) return null;
@@ -125,7 +125,7 @@ export function paired(inputs: readonly Found[], key: string): Plotted | null {
   return { topic: "", times, gaps: [], columns };
 }
 
-/** The value of a series' first column at a time, between two samples on a line; null beyond its ends and in gaps. */
+/** The value of a series' first column at a time, interpolated linearly; null beyond its ends and in gaps. */
 export function valueAt({ times, columns, gaps }: SeriesAnswer, time: number): number | null {
   const values = columns[0]?.values ?? [];
   let low = 0; // the first sample after the time
@@ -144,8 +144,8 @@ export function valueAt({ times, columns, gaps }: SeriesAnswer, time: number): n
 }
 
 /**
- * What is plotted as CSV: the time in s, where the log's clock tells it also in UTC, and one column for each field; a
- * field without a value there is empty. `start` is the time of the log's first scan, s since 1970, or null.
+ * The plotted values as CSV: the time in s, in UTC as well if the log's clock gives it, and one column for each field;
+ * empty where a field has no value. `start` is the time of the log's first scan, s since 1970, or null.
  */
 export function csvOf({ times, columns }: Plotted, start: number | null): string {
   const quoted = (text: string): string => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);

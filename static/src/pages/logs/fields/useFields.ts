@@ -7,16 +7,16 @@ import { type Chosen, keyOf } from "./fields";
 
 const AGAIN_MS = 400;
 
-/** What the plot of fields shows, in the dock and on the stage. */
+/** The state of the plot of fields, in the dock and on the stage. */
 export interface FieldsState {
   readonly chosen: Signal<readonly Chosen[]>;
   /** The key of the field on the horizontal axis; null for time. */
   readonly across: Signal<string | null>;
-  /** Whether nobody has chosen yet what is plotted, nor a link: it begins with the speed. */
+  /** Whether neither the visitor nor a link has chosen what is plotted: it starts with the speed. */
   readonly isNew: { current: boolean };
 }
 
-/** At first what a link `shown` has. */
+/** Initially that of a link `shown`. */
 export function useFieldsState(session: string, shown: ShownPlots | null = null): FieldsState {
   const state: FieldsState = { chosen: useSignal([]), across: useSignal(null), isNew: useRef(false) };
   useEffect(() => {
@@ -35,7 +35,7 @@ export type Waiting<T> =
 const isReading = (answer: object): answer is { readonly progress: number; readonly state: "reading" } =>
   "state" in answer && answer.state === "reading";
 
-/** Ask until the server has read what is asked for; the end of `ending` ends it. */
+/** Repeat the request until the server has read the data; `ending` aborts it. */
 async function asked<T extends object>(
   send: () => Promise<T | { readonly progress: number; readonly state: "reading" }>,
   ending: AbortSignal,
@@ -74,7 +74,7 @@ export function useFieldNames(session: string): Waiting<readonly TopicFieldsAnsw
 
 export type FoundSeries = ReadonlyMap<string, Waiting<SeriesAnswer>>;
 
-/** The numbers of the chosen fields in an interval; `evenly` as pairs of one time need them. */
+/** The values of the chosen fields in an interval, `evenly` sampled for pairs of one time. */
 export function useFieldSeries(
   session: string,
   chosen: readonly Chosen[],
@@ -84,7 +84,7 @@ export function useFieldSeries(
   const loaded = useSignal<FoundSeries>(new Map());
   useEffect(() => {
     const abort = new AbortController();
-    // What is shown stays until what is asked for is there.
+    // The present values stay until the requested ones have arrived.
     loaded.value = new Map([...loaded.peek()].filter(([key]) => chosen.some((item) => keyOf(item) === key)));
     for (const item of chosen) {
       const query = {

@@ -1,4 +1,4 @@
-/** How far a job on a log is, and the button that cancels it. */
+/** The progress of a job on a log, with the button that cancels it. */
 
 import type { ComponentChildren } from "preact";
 import { Button } from "../../../ui/Button";
@@ -9,16 +9,16 @@ interface JobProgressProps<S extends JobStatus> {
   readonly of: LogJob<S>;
   /** Name of the progress bar. */
   readonly label: string;
-  /** What a running job does now. */
+  /** The present step of a running job. */
   readonly stage: (job: S) => string;
-  /** What it has found so far. */
+  /** Results so far. */
   readonly figures?: (job: S) => ComponentChildren;
 }
 
 const waiting = (ahead: number): string =>
   `Waiting${ahead > 0 ? ` for ${ahead} other ${ahead === 1 ? "job" : "jobs"}` : ""}`;
 
-/** Nothing where no job is under way. */
+/** Nothing if there is no running job. */
 export function JobProgress<S extends JobStatus>({ of, label, stage, figures }: JobProgressProps<S>) {
   const job = of.job.value;
   if (!job || !of.isUnderWay.value) return null;

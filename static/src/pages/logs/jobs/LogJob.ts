@@ -1,13 +1,13 @@
-/** A job on a session's log as the page follows it: SLAM, localization, merging. */
+/** A job on a session's log as followed by the page: SLAM, localization, merging. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import type { Store } from "../../../store/store";
 import type { SlamStatus } from "../../../wire/http";
 
-/** What all jobs tell of their state. */
+/** The state that all jobs report. */
 export type JobStatus = Pick<SlamStatus, "state" | "fraction" | "ahead" | "elapsed_s">;
 
-/** The requests about a kind of job; each rejects with the server's sentence. */
+/** The requests of a kind of job. Each rejects with the server's sentence. */
 interface JobRequests<S> {
   readonly state: (session: string) => Promise<S>;
   readonly cancel: (session: string) => Promise<S>;
@@ -16,10 +16,10 @@ interface JobRequests<S> {
 const EVERY_MS = 400;
 
 export class LogJob<S extends JobStatus> {
-  /** The newest job; null until the server has told. */
+  /** The newest job; null until the server has reported it. */
   readonly job = signal<S | null>(null);
   readonly failure = signal<string | null>(null);
-  /** What the server is doing for a request; null for nothing. */
+  /** The server's work for a request; null for none. */
   readonly doing = signal<string | null>(null);
   readonly isBusy: ReadonlySignal<boolean> = computed(() => this.doing.value !== null);
   readonly isUnderWay: ReadonlySignal<boolean> = computed(() => {
@@ -34,7 +34,7 @@ export class LogJob<S extends JobStatus> {
   #timer = 0;
   #isStopped = false;
 
-  /** `onFirst` is called with the state that the server tells first. */
+  /** `onFirst` is called with the first reported state. */
   constructor(
     readonly store: Store,
     readonly session: string,
@@ -45,7 +45,7 @@ export class LogJob<S extends JobStatus> {
     this.#onFirst = onFirst;
   }
 
-  /** Carry out requests; a refusal is shown. */
+  /** Send requests; a refusal is shown. */
   protected async request(doing: string, what: () => Promise<void>): Promise<void> {
     this.doing.value = doing;
     this.failure.value = null;
@@ -58,7 +58,7 @@ export class LogJob<S extends JobStatus> {
     }
   }
 
-  /** Begin a job, or go on with one that is under way, and follow it. */
+  /** Start a job, or continue a running one, and follow it. */
   async follow(begun: () => Promise<S>): Promise<void> {
     await this.request("Beginning", async () => {
       this.job.value = await begun();
@@ -77,12 +77,12 @@ export class LogJob<S extends JobStatus> {
     try {
       const job = await this.#requests.state(this.session);
       if (this.job.peek() === known) {
-        // Otherwise a job was begun or cancelled meanwhile, and this may be the state before.
+        // Otherwise a job was started or cancelled meanwhile, and this may be an older state.
         if (known === null) this.#onFirst(job);
         this.job.value = job;
       }
     } catch {
-      // The server does not answer: another time.
+      // The server does not answer: try again later.
     }
     this.#lookAgain();
   }

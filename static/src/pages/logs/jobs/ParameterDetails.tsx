@@ -1,4 +1,4 @@
-/** The parameters of a job on a log, by group, for the next one. */
+/** The parameters of the next job on a log, by group. */
 
 import type { ComponentChildren } from "preact";
 import { ParameterRows } from "../../../tools/parameters/ParameterRows";
@@ -7,7 +7,7 @@ import type { JobParameters } from "./jobParameters";
 
 interface DetailsProps {
   readonly parameters: JobParameters;
-  /** What has the parameters. */
+  /** Object with these parameters. */
   readonly name: string;
   /** The titles of the groups. */
   readonly titles: Readonly<Record<string, string>>;

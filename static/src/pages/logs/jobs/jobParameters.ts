@@ -1,4 +1,4 @@
-/** The parameters that a visitor has set for the next job on a log: SLAM, or localization. */
+/** The parameters that a visitor has set for the next SLAM or localization of a log. */
 
 import { signal } from "@preact/signals";
 import type { Parameter, Value, Values } from "../../../wire/protocol";
@@ -6,23 +6,23 @@ import type { Parameter, Value, Values } from "../../../wire/protocol";
 export class JobParameters {
   readonly #ask: () => Promise<readonly Parameter[]>;
 
-  /** `ask` asks the server for the table. */
+  /** `ask` requests the table from the server. */
   constructor(ask: () => Promise<readonly Parameter[]>) {
     this.#ask = ask;
   }
 
-  /** The table; empty until it was asked for. */
+  /** The table; empty before the request. */
   readonly table = signal<readonly Parameter[]>([]);
-  /** Those that were set, by name. */
+  /** The changed parameters, by name. */
   readonly values = signal<Values>({});
 
-  /** Ask for the table, once. */
+  /** Request the table once. */
   async load(): Promise<void> {
     if (this.table.peek().length > 0) return;
     try {
       this.table.value = await this.#ask();
     } catch {
-      // The server does not answer: when it is opened again.
+      // The server does not answer: try again when the group is opened again.
     }
   }
 
@@ -30,7 +30,7 @@ export class JobParameters {
     this.values.value = { ...this.values.peek(), [name]: value };
   };
 
-  /** Go on with the parameters of an older job. */
+  /** Use the parameters of an older job. */
   adopt(values: Values): void {
     if (Object.keys(this.values.peek()).length === 0) this.values.value = values;
   }
@@ -39,7 +39,7 @@ export class JobParameters {
     this.values.value = {};
   };
 
-  /** Those that differ from the first values. */
+  /** Those that differ from the initial values. */
   changed(): Values {
     const first = new Map(this.table.peek().map((row) => [row.name, row.initial]));
     return Object.fromEntries(Object.entries(this.values.peek()).filter(([name, value]) => first.get(name) !== value));

@@ -28,10 +28,10 @@ import {
 } from "./library";
 import { cancel, dismiss, type Upload, uploadAll, uploads } from "./uploading";
 
-/** A rate is stated once it was measured for so long. */
+/** A rate is shown after it was measured for this time. */
 const MEASURED_MS = 2000;
 
-/** The bytes that are sent of all, the share, the rate and the time that is left, as far as they are known at `now`. */
+/** The bytes sent of the total, the share, the rate and the remaining time, as far as known at `now`. */
 export function uploadText({ bytes: all, sent, since }: Upload, now: number): string {
   if (since === null) return `waiting, ${bytes(all)}`;
   if (sent >= all) return `${bytes(all)} sent; the server stores them …`;
@@ -42,9 +42,9 @@ export function uploadText({ bytes: all, sent, since }: Upload, now: number): st
   return `${share}, ${bytes(rate)}/s, ${clock((all - sent) / rate)} left`;
 }
 
-/** Number of logs from which on they are searched and sorted. */
+/** From this number of logs on there are search and sorting. */
 const MANY = 7;
-/** Delay from a key to the search. */
+/** Delay between a key press and the search. */
 const SETTLE_MS = 200;
 
 const isFiltered = (): boolean => wanted.value.words !== "" || wanted.value.tags.length > 0;
@@ -53,7 +53,7 @@ const choose = (change: Partial<Wanted>): void => {
   wanted.value = { ...wanted.peek(), limit: PAGE, ...change };
 };
 
-/** Search, order and tags; nothing while there are few logs. */
+/** Search, order and tags; nothing for few logs. */
 function Finder() {
   const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
   const tags = Object.entries(allTags.value);
@@ -105,7 +105,7 @@ function Finder() {
 interface Example {
   readonly name: ExampleName;
   readonly title: string;
-  /** What to try with it. */
+  /** A suggestion for using it. */
   readonly hint: string;
 }
 
@@ -127,7 +127,7 @@ const EXAMPLES: readonly Example[] = [
   },
 ];
 
-/** Logs of the simulator for a visitor who has none. */
+/** Simulated logs for a visitor who has none. */
 function Examples() {
   const making = useSignal<ExampleName | null>(null);
   const begin = async (name: ExampleName): Promise<void> => {
@@ -153,7 +153,7 @@ function Examples() {
   );
 }
 
-/** What can be dropped, by what it is opened as. */
+/** The kinds of files that can be dropped, by how they are opened. */
 const FORMATS: readonly (readonly [opened: string, formats: string])[] = [
   ["A log", "ROS 1 bag, ROS 2 bag (.db3), MCAP, CARMEN, CMU, DP-SLAM, BreezySLAM, CSV, a ring of sonars"],
   ["In several files", "the folder of a recording, or a tar archive of it (.tar, .tar.gz)"],

@@ -21,7 +21,7 @@ import {
 import { LogPicture } from "./LogPicture";
 import { ask, isMoving, type LogRecord, putTags, remove } from "./library";
 
-/** The tags of a log, and a field in which they are changed. */
+/** The tags of a log, and a field for editing them. */
 function LogTags({ log }: { readonly log: LogRecord }) {
   const isEdited = useSignal(false);
   const field = useRef<HTMLInputElement>(null);
@@ -78,7 +78,7 @@ function LogTags({ log }: { readonly log: LogRecord }) {
   );
 }
 
-/** Failures that are not, or may not be, caused by the log: reading can be tried again. */
+/** Failures whose cause may not be the log, so that reading it can be tried again. */
 const RETRYABLE = /\.(cancelled|interrupted|reader_died|reader_failed|storage|time)$/;
 
 interface LogCardProps {
@@ -140,7 +140,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
   );
 }
 
-/** The button of a sensor that is not the chosen one; which one it is, screen readers say without the line around it. */
+/** The button of a sensor other than the selected one. Screen readers read its name without the surrounding line. */
 function openSensorLabel(name: string): string {
   const transforms = transformsOf(name);
   return transforms === null ? `Open ${name}` : `Open with the transforms of ${transforms}`;

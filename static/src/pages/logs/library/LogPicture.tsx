@@ -8,7 +8,7 @@ interface LogPictureProps {
   readonly hasPicture: boolean;
   readonly isAwaited: boolean;
   readonly alt: string;
-  /** What stands below the icon while there is no picture. */
+  /** Shown below the icon while there is no picture. */
   readonly children?: ComponentChildren;
 }
 

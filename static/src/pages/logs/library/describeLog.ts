@@ -6,7 +6,7 @@ import { timeText } from "../../../ui/timeText";
 import { progressText } from "../../../ui/Working";
 import type { LogRecord, Topic } from "./library";
 
-/** Labels of the trajectories that the readers and the simulator name. */
+/** Labels of the trajectories named by the readers and the simulator. */
 const TRAJECTORY_LABELS: Readonly<Record<string, string>> = {
   scan: "scan poses",
   odom: "odometry",
@@ -26,7 +26,7 @@ export const sentence = (phrase: string): string =>
 /** Metres as text. */
 const metres = (length: number): string => `${length < 10 ? length.toFixed(1) : Math.round(length)} m`;
 
-/** Duration, length and number of scans of the run. Empty until the log was read. */
+/** Duration, length and number of scans of the run. Empty until the log is read. */
 export function run(log: LogRecord): readonly string[] {
   if (log.scans === null) return [];
   if (log.map) {
@@ -79,7 +79,7 @@ function place([x = 0, y = 0, yaw = 0]: readonly number[]): string {
 export function inside(log: LogRecord): readonly string[] {
   const { time } = log;
   const sensor = log.topics.find((topic) => topic.chosen);
-  // A file that names the sensor's frame and not its place: the centre is a guess.
+  // A file that names the sensor's frame but not its position: the centre is a guess.
   const mount = !isScanned(log) || (sensor?.frame && !sensor.mount) ? null : log.mount;
   const unit = log.costmaps > 0 ? "costmaps" : "scans";
   const gaps = (n: number): string => (n === 1 ? "1 gap" : `${n.toLocaleString("en")} gaps`);
@@ -106,10 +106,10 @@ export function inside(log: LogRecord): readonly string[] {
 /** Between the names of sensors that are mapped together. */
 export const SENSOR_SEPARATOR = " + ";
 
-/** The topic of transforms in which a sensor's frames are looked up, where its name states it; null otherwise. */
+/** The topic of transforms in which a sensor's frames are looked up, if its name contains it; null otherwise. */
 export const transformsOf = (sensor: string): string | null => /#(\/.*)$/.exec(sensor)?.[1] ?? null;
 
-/** The names of the lidars of a log whose frames are known, those with most scans first, each once. */
+/** The names of a log's lidars whose frames are known, each once, those with most scans first. */
 export function lidars(log: LogRecord): readonly string[] {
   return log.topics
     .filter((topic) => topic.beams !== null && /Scan$|laser scan$/.test(topic.type) && topic.count > 0)
@@ -117,16 +117,16 @@ export function lidars(log: LogRecord): readonly string[] {
     .map((topic) => topic.name);
 }
 
-/** Whether it has planar scans: it is no map, no cloud and no recording of costmaps. */
+/** Whether it has planar scans: it is not a map, a cloud or a recording of costmaps. */
 const isScanned = (log: LogRecord): boolean => log.costmaps === 0 && log.clouds === 0 && !log.map;
 
-/** Whether messages of a type are point clouds, of which a map in 3D can be made. */
+/** Whether messages of a type are point clouds, from which a 3D map can be made. */
 export const isCloud = (type: string): boolean => /\/(PointCloud2|CustomMsg)$/.test(type);
 
 /** Whether a recording has point clouds. */
 export const hasClouds = (log: LogRecord): boolean => log.topics.some(({ type, count }) => isCloud(type) && count > 0);
 
-/** A topic in a line. */
+/** A topic as one line. */
 export function topic(recorded: Topic): string {
   const transforms = transformsOf(recorded.name);
   return [
@@ -144,7 +144,7 @@ const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
     /\.(empty|missing)$/,
     "CARMEN and gmapping logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap’s files and zips of depth images.",
   ],
-  [/\.(unknown_format|binary|garbage)$/, "Convert other formats first."], // the error names those that are read
+  [/\.(unknown_format|binary|garbage)$/, "Convert other formats first."], // the error names the readable formats
   [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,
     "Copy the file again from where it was recorded; this copy is damaged.",
@@ -161,19 +161,19 @@ const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [/\.(cancelled|interrupted|reader_died|reader_failed|storage|stalled)$/, "Try again; the log itself may be intact."],
 ];
 
-/** How far the reading of a log is that is not read yet. */
+/** The progress of reading a log. */
 export function readingText({ state, progress, reading_s }: LogRecord): string {
   if (state === "reading") return `being read: ${progressText({ fraction: progress, elapsed_s: reading_s ?? 0 })}`;
   return state === "queued" ? "waits to be read" : "not yet read";
 }
 
-/** Errors of a log that should perhaps be read, and is not. */
+/** Errors of a log that could perhaps be read but is not. */
 const REPORTABLE = /^log\.(unknown_format|binary|garbage|no_scans|version|header|beam\w*|not_a_number|range\w*)$/;
 
 const HOW_TO_REPORT =
   "If it should be read, report it: gridbloom info LOG --report writes what it is made of, without readings or names.";
 
-/** What one can do about a log that failed. */
+/** Possible actions for a log that failed. */
 export function remedy(log: LogRecord): string {
   const code = log.error?.code ?? "";
   const found = REMEDIES.find(([codes]) => codes.test(code))?.[1];

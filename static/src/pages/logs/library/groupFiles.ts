@@ -26,17 +26,21 @@ function header(file: File): Uint8Array<ArrayBuffer> {
   return block;
 }
 
-/** Files beside logs that are not logs by themselves: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
+/**
+ * Files next to logs that are not logs themselves: metadata of ROS 2 bags, SQLite journals, notes, files of file
+ * managers.
+ */
 const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;
 
-/** A file of a recording, of which there may be parts; rosbag names one that was not closed .bag.active. */
+/** A file of a recording, which may have parts; rosbag names an unclosed one .bag.active. */
 const RECORDING = /\.(db3|mcap|bag)(\.zstd|\.active)?$/i;
 
-/** When a part was begun, which the rosbag of ROS 1 writes into its name. */
+/** The start time of a part, which ROS 1's rosbag writes into its name. */
 const BEGUN = /\d{4}(-\d{2}){5}$/;
 
 /**
- * Group files that were chosen together into logs: the parts of a split recording, the two files of a sonar ring, or a map.
+ * Group files that were selected together into logs: the parts of a split recording, the two files of a sonar ring, or
+ * a map.
  */
 export function groupIntoLogs({ name, files }: Folder): readonly File[] {
   if (files.length === 1) return files; // the server determines the format
@@ -52,7 +56,7 @@ export function groupIntoLogs({ name, files }: Folder): readonly File[] {
   return [tarred(whole, name || nameOf(parts)), ...rest];
 }
 
-/** A file with the write-ahead log that SQLite left beside it where a recorder was killed: it holds the last messages. */
+/** A file with the write-ahead log that SQLite left when a recorder was killed: it contains the last messages. */
 function withJournal(file: File, files: readonly File[]): readonly [File, ...File[]] {
   const journal = files.find((other) => other.name === `${file.name}-wal` && other.size > 0);
   return journal ? [file, journal] : [file];
@@ -67,7 +71,7 @@ function splitRecording(files: readonly File[]): readonly File[] | null {
   return arePartsByName(parts) ? parts : null;
 }
 
-/** Whether files are numbered from 0 and otherwise of one name, as ROS names the parts of a recording. */
+/** Whether files have the same name but for numbers from 0, as ROS names the parts of a recording. */
 function arePartsByName(parts: readonly File[]): boolean {
   const names = parts.map(({ name }) => /^(.+)_(\d+)$/.exec(name.replace(RECORDING, "")));
   const numbers = new Set(names.map((match) => Number(match?.[2] ?? -1)));
@@ -80,13 +84,13 @@ function ring(files: readonly File[]): readonly File[] | null {
   return pair.length === 2 ? pair : null;
 }
 
-/** Depth images with their poses and the camera's numbers, as those of 7-Scenes. */
+/** Depth images with their poses and the camera's parameters, as in 7-Scenes. */
 function depthImages(files: readonly File[]): readonly File[] | null {
   if (!files.some(({ name }) => name.endsWith(".depth.png"))) return null;
   return files.filter(({ name }) => /\.(depth\.png|pose\.txt)$|^(camera-)?intrinsics\.txt$|^camera\.txt$/.test(name));
 }
 
-/** The yaml of a map, its image, and what map editing saves beside them; the yaml is the first. */
+/** The yaml of a map, its image, and the files that map editing saves with them; the yaml is first. */
 function mapFiles(files: readonly File[]): readonly File[] | null {
   const yamls = files.filter(({ name }) => /\.ya?ml$/i.test(name) && name !== "metadata.yaml");
   const own = yamls.filter(({ name }) => !/_(keepout|speed)\.ya?ml$/i.test(name));

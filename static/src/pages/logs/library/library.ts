@@ -1,4 +1,4 @@
-/** The list of logs, and what is asked of the server about one of them. */
+/** The list of logs, and requests about one of them. */
 
 import { effect, signal } from "@preact/signals";
 import { reducedMotion } from "../../../ui/browser/media";
@@ -8,7 +8,7 @@ import { followMaking, type Making, newName } from "../../making";
 
 export type { LogAnswer as LogRecord, Topic };
 
-/** Which logs are listed: words and tags that they have, their order, and how many. */
+/** Which logs are listed: their words and tags, their order, and the maximum number. */
 export interface Wanted {
   readonly words: string;
   readonly tags: readonly string[];
@@ -24,18 +24,18 @@ export const ORDERS = [
   { value: "size", label: "largest first" },
 ] as const;
 
-/** Logs of one page of the list. */
+/** Number of logs on one page of the list. */
 export const PAGE = 24;
 export const EVERYTHING: Wanted = { words: "", tags: [], order: "newest", limit: PAGE };
 
 export const wanted = signal<Wanted>(EVERYTHING);
-/** The logs that were found; null until they were first fetched. */
+/** The matching logs; null until they were first fetched. */
 export const logs = signal<readonly LogAnswer[] | null>(null);
-/** How many there are of them, also beyond the page. */
+/** Their total number, beyond the page as well. */
 export const total = signal(0);
 /** The visitor's tags, each with the number of its logs. */
 export const allTags = signal<Readonly<Record<string, number>>>({});
-/** The log of a single file that was uploaded here, to be opened once it was read. */
+/** A single file that was uploaded here and is opened once it has been read. */
 export const arrived = signal<string | null>(null);
 
 /** Why the list could not be fetched. */
@@ -56,7 +56,7 @@ export function watchAll(): () => void {
   return watch();
 }
 
-/** Keep the list of the wanted logs up to date until the returned function is called. */
+/** Keep the list of these logs up to date until the returned function is called. */
 export function watch(): () => void {
   isWatched = true;
   const stop = effect(() => {
@@ -75,7 +75,7 @@ const queryOf = ({ words, tags, order, limit }: Wanted) => ({ order, limit, ...(
 
 let asked = 0;
 
-/** Fetch the list; repeated while it is watched and a log is still being read or the server does not answer. */
+/** Fetch the list, repeatedly while it is shown and a log is being read or the server does not answer. */
 export async function refresh(): Promise<void> {
   clearTimeout(timer);
   asked += 1;
@@ -83,7 +83,7 @@ export async function refresh(): Promise<void> {
   let again = 0;
   try {
     const body = await send("GET /api/logs", {}, isWhole ? {} : { query: queryOf(wanted.peek()) });
-    if (own !== asked) return; // another list was asked for meanwhile
+    if (own !== asked) return; // another list was requested meanwhile
     logs.value = body.logs;
     total.value = body.total;
     allTags.value = body.tags;
@@ -129,10 +129,10 @@ export const ask = (id: string, what: "cancel" | "read"): Promise<string | null>
   );
 
 /** The progress of the log that is being opened; null while there is none. */
-/** The examples that the server makes. */
+/** The examples of the server. */
 export type ExampleName = "drift" | "mount" | "camera";
 
-/** Have an example log made, which is opened once it was read. */
+/** Request an example log, which is opened once it has been read. */
 export async function openExample(name: ExampleName): Promise<void> {
   const log = await send("POST /api/logs/examples/{name}", { name });
   arrived.value = log.id;
@@ -142,8 +142,8 @@ export async function openExample(name: ExampleName): Promise<void> {
 export const opening = signal<Making | null>(null);
 
 /**
- * Open a session on a log; rejects with an error message. `ending` ends the request. With reduced motion the map of all
- * scans is shown at once: a seek would end that the session follows a job which is under way.
+ * Open a session on a log; rejects with an error message. `ending` aborts the request. With reduced motion the map of
+ * all scans is shown immediately; not for a session that follows a running job, because a seek would end that.
  */
 export async function openSession(
   log: string,

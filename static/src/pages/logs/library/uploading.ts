@@ -1,4 +1,4 @@
-/** The upload of files: some at a time, each in as many connections as it takes. */
+/** The upload of files: several at the same time, each with as many connections as needed. */
 
 import { signal } from "@preact/signals";
 import { awaited } from "../../../ui/browser/awaited";
@@ -12,7 +12,7 @@ export interface Upload {
   readonly bytes: number;
   readonly sent: number;
   readonly error: string | null;
-  /** When the present connection began to send (performance.now), and what had been sent before; null while it waits. */
+  /** When the present connection started to send (performance.now), and the bytes sent before; null while it waits. */
   readonly since: { readonly at: number; readonly sent: number } | null;
 }
 
@@ -30,7 +30,7 @@ export const dismiss = (key: number): void => {
 
 const requests = new Map<number, XMLHttpRequest>();
 
-/** Give an upload up, and have the server forget what it has of it. */
+/** Cancel an upload, and make the server delete its part. */
 export function cancel(key: number): void {
   dismiss(key);
   requests.get(key)?.abort();
@@ -48,7 +48,7 @@ function newKey(): string {
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
-/** Number of bytes of an upload that the server has; null if it does not answer. */
+/** Number of bytes that the server has of an upload; null if it does not answer. */
 async function offsetOf(name: string): Promise<number | null> {
   try {
     return (await ask("GET /api/logs/uploads/{key}", { key: name })).offset;
@@ -61,14 +61,14 @@ const MAX_CONCURRENT = 3; // uploads at a time; the server limits the uploads of
 const waiting: (() => Promise<void>)[] = [];
 let sending = 0;
 
-/** Upload files; a log that comes alone is opened once it was read. */
+/** Upload files. A single log is opened once it has been read. */
 export function uploadAll(files: readonly File[]): void {
   wanted.value = EVERYTHING;
   arrived.value = null;
   for (const file of files) upload(file, files.length === 1);
 }
 
-/** Upload a file after those before it; after an interruption, resume at the server's offset. */
+/** Upload a file after the previous ones; after an interruption, resume at the server's offset. */
 export function upload(file: File, opens = false): void {
   const key = nextKey++;
   uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null, since: null }];
@@ -104,7 +104,7 @@ async function sendAll(key: number, name: string, file: File, opens: boolean): P
       break;
     }
     tries += 1;
-    // 409: another connection still sends it, or the next part begins elsewhere
+    // 409: another connection is still sending it, or the next part starts at another offset
     if (!(answer.status === 409 || isPassing(answer.status || null)) || tries >= TRIES) {
       patch(key, { error: answer.status === 0 ? INTERRUPTED : await refusalIn(answer) });
       break;
@@ -120,8 +120,8 @@ async function sendAll(key: number, name: string, file: File, opens: boolean): P
 }
 
 /**
- * Send the rest of a file; {@link Response.error} where there was no answer. With XMLHttpRequest, since fetch does not
- * report the progress of an upload.
+ * Send the rest of a file; {@link Response.error} if there was no answer. It uses XMLHttpRequest, because fetch does
+ * not report the progress of an upload.
  */
 function send(key: number, name: string, file: File, offset: number): Promise<Response> {
   return new Promise((resolve) => {

@@ -1,4 +1,4 @@
-/** What nodes logged while the log was recorded, by level, node and text; a line goes to its moment. */
+/** Log lines of nodes by level, node and text. A click on a line goes to its time. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -14,7 +14,7 @@ import { scansAt } from "../time/scanTimes";
 import { LEVELS, type Line, type LinesState, levelName, matching, newestAt, nodesOf, WARNING } from "./lines";
 import "./lines.css";
 
-/** Lines that are drawn before and after the present one, and as many more by each press of a button. */
+/** Lines drawn before and after the present one; a button adds the same number. */
 const AROUND = 150;
 
 interface LinesProps {
@@ -29,10 +29,10 @@ export function Lines({ store, lines }: LinesProps) {
 function Loaded({ store, lines: state }: LinesProps) {
   const all = state.lines.value;
   const [least, node, text] = [state.least.value, state.node.value, state.text.value];
-  const isThere = useRef(false); // whether the log has come to the line that was gone to
+  const isThere = useRef(false); // whether the log has reached the selected line
   const matches = useMemo(() => matching(all ?? [], least, node, text), [all, least, node, text]);
   useSignalEffect(() => {
-    // A line that was gone to is the present one until the log is at another moment.
+    // A selected line is the present one until the log moves to another time.
     const [frame, chosen] = [store.frame.value, state.chosen.value];
     if (!frame || !chosen) return;
     if (frame.index === chosen.scans) isThere.current = true;
@@ -78,7 +78,7 @@ function Loaded({ store, lines: state }: LinesProps) {
 interface SearchProps {
   readonly state: LinesState;
   readonly all: readonly Line[];
-  /** Go to the next match, or to the one before. */
+  /** Go to the next or the previous match. */
   readonly onStep: (by: 1 | -1) => void;
   readonly children: ComponentChildren;
 }
@@ -133,12 +133,12 @@ function Search({ state, all, onStep, children }: SearchProps) {
 interface ListProps {
   readonly store: Store;
   readonly found: readonly Line[];
-  /** The place of the line of the moment; −1 before the first. */
+  /** The index of the line at the present time; −1 before the first. */
   readonly present: number;
   readonly onGo: (place: number) => void;
 }
 
-/** Keys of the list: how far each moves. */
+/** Keys of the list, and the number of lines that each moves. */
 const KEYS: Readonly<Record<string, number>> = {
   ArrowDown: 1,
   ArrowUp: -1,
@@ -214,8 +214,8 @@ function List({ store, found, present, onGo }: ListProps) {
 }
 
 /**
- * Scroll what scrolls around an element up or down until the element is in sight. `scrollIntoView` would also scroll what
- * is around that: on a phone the stage, whose views are beside each other.
+ * Scroll the scrolling container of an element vertically until the element is in view. `scrollIntoView` would also
+ * scroll outer containers: on a phone the stage, whose views are side by side.
  */
 function scrollWithin(element: Element): void {
   for (let around = element.parentElement; around && around !== document.body; around = around.parentElement) {

@@ -1,4 +1,4 @@
-/** Lines that nodes logged (/rosout, /diagnostics): which are shown, the next match, and marks on the time slider. */
+/** Log lines of nodes (/rosout, /diagnostics): filter, next match, and marks on the time slider. */
 
 import type { Signal } from "@preact/signals";
 import type { TimelineTick } from "../../../ui/Timeline";
@@ -8,25 +8,25 @@ import { scansAt } from "../time/scanTimes";
 
 export type Line = LineAnswer;
 
-/** What the view of the lines, the dock and the time slider share. */
+/** State shared by the view of the lines, the dock and the time slider. */
 export interface LinesState {
   /** Null until they are known. */
   readonly lines: Signal<readonly Line[] | null>;
   readonly failure: Signal<string | null>;
-  /** Number of lines that are not kept. */
+  /** Number of omitted lines. */
   readonly leftOut: Signal<number>;
-  /** The least level that is shown. */
+  /** The minimum level shown. */
   readonly least: Signal<number>;
   /** The node whose lines are shown; "" for all. */
   readonly node: Signal<string>;
   readonly text: Signal<string>;
-  /** The line that was gone to last, and the number of scans in the map at it. */
+  /** The line selected last, and the number of scans in the map at its time. */
   readonly chosen: Signal<{ readonly line: Line; readonly scans: number } | null>;
 }
 
 export const WARNING = 30;
 const ERROR = 40;
-/** Levels as ROS 2 has them, from the gravest. */
+/** ROS 2's levels, most severe first. */
 export const LEVELS: readonly (readonly [level: number, name: string])[] = [
   [50, "fatal"],
   [ERROR, "error"],
@@ -41,7 +41,7 @@ export const levelName = (level: number): string => LEVELS.find(([least]) => lev
 export const nodesOf = (lines: readonly Line[]): readonly string[] =>
   [...new Set(lines.map(({ name }) => name))].sort((a, b) => a.localeCompare(b));
 
-/** The lines of a level or a graver one, of a node, which contain the text, in either case of letters. */
+/** The lines of at least a level, of a node, that contain the text, ignoring case. */
 export function matching(lines: readonly Line[], least: number, node: string, text: string): readonly Line[] {
   const wanted = text.trim().toLowerCase();
   return lines.filter(
@@ -52,7 +52,7 @@ export function matching(lines: readonly Line[], least: number, node: string, te
   );
 }
 
-/** The place of the line that is newest at a moment; −1 before the first. */
+/** The index of the newest line at a time; −1 before the first. */
 export function newestAt(lines: readonly Line[], seconds: number): number {
   let low = 0;
   let high = lines.length;
@@ -64,7 +64,7 @@ export function newestAt(lines: readonly Line[], seconds: number): number {
   return low - 1;
 }
 
-/** Ticks for warnings and for what is graver, one for each place of the slider: of the gravest line there. */
+/** Ticks for warnings and above, one at each position of the slider for its most severe line. */
 export function ticksOf(
   lines: readonly Line[],
   trajectory: Pick<Trajectory, "stamps" | "every">,

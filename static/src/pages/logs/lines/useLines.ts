@@ -7,12 +7,12 @@ import type { ShownLines } from "../../../wire/http";
 import type { ContentsOfSession } from "../contents/useContents";
 import type { LinesState } from "./lines";
 
-/** Formats of logs that hold more than scans, as the server names them: recordings of ROS, and CARMEN's topics. */
+/** Formats of logs that contain more than scans, by the server's names: ROS recordings and CARMEN. */
 const RECORDING = /^(MCAP|ROS |CARMEN)/;
 
 /**
- * The lines of a session's recording, at first those that a link `shown` has. They are asked for when its log is open, for the marks on the time slider; the
- * recording is gone through for that where its contents are not known.
+ * The lines of a session's recording, initially those of a link `shown`. They are requested when the log is opened, for
+ * the marks on the time slider; if its contents are not known, the recording is read for that.
  */
 export function useLines(
   session: string,

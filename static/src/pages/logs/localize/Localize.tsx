@@ -1,4 +1,4 @@
-/** Finds the robot of a log in a reference map, and shows how certain that is along the way. */
+/** Localizes the robot of a log in a reference map and shows the uncertainty over time. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
@@ -33,7 +33,7 @@ interface FilterHistoryProps {
 
 const PLOTS = ["Standard deviation of the place", "Entropy of the particles", "Fit of the scans"] as const;
 
-/** How certain the poses in use are along the log, beside the present scan. */
+/** The uncertainty of the poses in use over the log, beside the present scan. */
 function HistoryOfFilter({ store, history }: FilterHistoryProps) {
   const series = useMemo(() => seriesOf(history), [history]);
   const now = store.part("localization").message.value;
@@ -99,7 +99,7 @@ const FIELDS = [
 /** Of the fields, m or °. */
 const STEP = 0.01;
 
-/** Where the robot starts: anywhere, or at a pose that is clicked on the map or written. */
+/** The start of the robot: anywhere, or at a pose that is clicked on the map or entered. */
 function InitialPose({ localizing }: { readonly localizing: Localizing }) {
   const pose = localizing.pose.value;
   const id = useId();
@@ -294,10 +294,10 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   );
 }
 
-/** The longest range in the figure of the sensor model where the log does not say it, m. */
+/** The maximum range in the figure of the sensor model if the log does not state it, m. */
 const LONGEST = 12;
 
-/** The sensor model and the motion model, to grab. */
+/** The sensor model and the motion model as draggable curves. */
 function figuresOf(store: Store, { parameters }: Localizing) {
   const rows = parameters.table.value;
   if (rows.length === 0) return {};
@@ -339,7 +339,7 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   const chosen = useSignal<ChosenLog | null>(null);
   const names = (log?.trajectories ?? []).map((trajectory) => trajectory.name);
   const along = useSignal("");
-  // The poses that the page shows, but not those of an earlier localization.
+  // The poses that the page shows, except those of an earlier localization.
   const shown = store.trajectory.value?.name;
   const isUsual = shown !== undefined && shown !== localizing.job.value?.result?.trajectory && names.includes(shown);
   const mappedAlong = along.value || (isUsual ? shown : names[0]) || "";

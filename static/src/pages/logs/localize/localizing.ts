@@ -1,4 +1,4 @@
-/** Localization of a log in a map on the page: the map, the job on the server, and where the robot starts. */
+/** Localization of a log in a map: the map, the job on the server, and the start of the robot. */
 
 import { signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
@@ -20,19 +20,19 @@ export const localize = (session: string, body: NewLocalization): Promise<Locali
 const cancelLocalization = (session: string): Promise<LocalizationStatus> =>
   ask("DELETE /api/sessions/{session_id}/localization", { session_id: session });
 
-/** How certain the poses in use are along the log; null where they come from no localization. */
+/** The uncertainty of the poses in use over the log; null if they are not from a localization. */
 const filterHistory = async (session: string): Promise<FilterHistory | null> =>
   (await ask("GET /api/sessions/{session_id}/localization/course", { session_id: session })).course;
 
-/** The map that was chosen; null for none. */
+/** The selected map; null for none. */
 const referenceMap = async (session: string): Promise<MapAnswer | null> =>
   (await ask("GET /api/sessions/{session_id}/localization/map", { session_id: session })).map;
 
-/** Choose the map of a log along one of its trajectories. */
+/** Select the map of a log along one of its trajectories. */
 export const chooseLog = async (session: string, body: MapOfLog): Promise<MapAnswer | null> =>
   (await ask("PUT /api/sessions/{session_id}/localization/map", { session_id: session }, { body })).map;
 
-/** Choose map files: a yaml with its image, or a map of CMU's course. */
+/** Select map files: a yaml with its image, or a map of CMU's course. */
 export async function chooseFiles(session: string, files: readonly File[]): Promise<MapAnswer | null> {
   const isYaml = ({ name }: File): boolean => /\.ya?ml$/i.test(name);
   const named = files.find(isYaml) ?? files[0];
@@ -42,7 +42,7 @@ export async function chooseFiles(session: string, files: readonly File[]): Prom
   return (await ask(what, { session_id: session }, { query: { name: named.name }, body })).map;
 }
 
-/** When the map is asked for again after the server has not answered. */
+/** Delay before the map is requested again if the server did not answer. */
 const MAP_AGAIN_MS = 2000;
 
 export type MapSource = "own" | "other" | "files";
@@ -51,10 +51,10 @@ export class Localizing extends LogJob<LocalizationStatus> {
   readonly map = signal<MapAnswer | null>(null);
   readonly history = signal<FilterHistory | null>(null);
   readonly source = signal<MapSource>("own");
-  /** Whether the robot starts at `pose`, else anywhere. */
+  /** Whether the robot starts at `pose` instead of anywhere. */
   readonly hasPose = signal(false);
   readonly pose = signal<Pose | null>(null);
-  /** Whether the next click on the map says where the robot looks. */
+  /** Whether the next click on the map sets the robot's heading. */
   readonly turns = signal(false);
   readonly parameters = new JobParameters(async () => (await ask("GET /api/localization/parameters", {})).table);
   #mapTimer = 0;
@@ -93,20 +93,20 @@ export class Localizing extends LogJob<LocalizationStatus> {
     return this.follow(() => localize(this.session, wanted));
   }
 
-  /** Show the map that was chosen earlier. */
+  /** Show the map that was selected earlier. */
   async loadMap(): Promise<void> {
     clearTimeout(this.#mapTimer);
     if (this.map.peek() !== null) return;
     try {
       const map = await referenceMap(this.session);
-      if (this.map.peek() === null) this.map.value = map; // one may have been chosen meanwhile
+      if (this.map.peek() === null) this.map.value = map; // one may have been selected meanwhile
     } catch {
-      // The server does not answer, for example because another one has just taken the session over.
+      // The server does not answer, for example because another one has just taken over the session.
       if (this.#isShown) this.#mapTimer = window.setTimeout(() => void this.loadMap(), MAP_AGAIN_MS);
     }
   }
 
-  /** Show how certain the poses in use are, where they come from a localization. */
+  /** Show the uncertainty of the poses in use if they are from a localization. */
   async loadHistory(): Promise<void> {
     try {
       this.history.value = await filterHistory(this.session);
@@ -116,7 +116,7 @@ export class Localizing extends LogJob<LocalizationStatus> {
     }
   }
 
-  /** A click on the map: first where the robot starts, then where it looks. */
+  /** A click on the map: first the start of the robot, then its heading. */
   readonly takeTap = ([x, y]: Point): boolean => {
     if (!this.hasPose.peek() || this.isUnderWay.peek() || this.store.underlay.peek() !== GIVEN_MAP) return false;
     const pose = this.pose.peek();
@@ -130,7 +130,7 @@ export class Localizing extends LogJob<LocalizationStatus> {
     return true;
   };
 
-  /** Show the layers while the group is open; the result ends that. */
+  /** Show the layers while the group is open; the returned function ends that. */
   show(): () => void {
     this.#isShown = true;
     const ends = [this.store.layers.subscribe(GIVEN_MAP), this.store.layers.subscribe(PARTICLES)];
@@ -144,7 +144,7 @@ export class Localizing extends LogJob<LocalizationStatus> {
   }
 }
 
-/** The localization of a session's log. A guest only sees its course. */
+/** The localization of a session's log. A guest only sees its progress. */
 export function useLocalizing(store: Store, session: string, isGuest: boolean): Localizing {
   const localizing = useMemo(() => new Localizing(store, session), [store, session]);
   const log = store.hello.value?.log?.id ?? null;

@@ -37,7 +37,7 @@ interface SavingProps {
   readonly session: string;
 }
 
-/** Keeps the edited map as a new one of the library, and gives its files. */
+/** Saves the edited map as a new one of the library, with links to its files. */
 export function Saving({ store, session }: SavingProps) {
   const title = store.hello.value?.title ?? "map";
   const typed = useSignal<string | null>(null);
@@ -149,7 +149,7 @@ interface MapViewProps {
   readonly onPicture?: (picture: Picture) => void;
 }
 
-/** The picture of a map that is edited. */
+/** The picture of the edited map. */
 function MapView({ store, onPicture }: MapViewProps) {
   const failure = useMemo(() => signal(""), []);
   const shown = useRef(0);
@@ -158,7 +158,7 @@ function MapView({ store, onPicture }: MapViewProps) {
   useEffect(() => store.layers.subscribe(ZONES), [store]);
   useEffect(() => store.layers.subscribe(SPEED_LIMITS), [store]);
   useSignalEffect(() => {
-    // A turn, a crop or another origin puts the map elsewhere.
+    // A rotation, a crop or another origin moves the map.
     const epoch = store.map.value?.geometry.epoch ?? 0;
     if (shown.current !== 0 && epoch !== shown.current) {
       store.viewHeld.value = false;
@@ -166,7 +166,7 @@ function MapView({ store, onPicture }: MapViewProps) {
     }
     shown.current = epoch;
   });
-  // One tool has the clicks: the ruler puts the brush away, and the brush the ruler.
+  // One tool receives the clicks: selecting the ruler deselects the brush, and vice versa.
   useSignalEffect(() => {
     if (measuring.tool.value !== null) editing.choose(null);
   });
@@ -266,11 +266,11 @@ function MapReadout({ store }: { readonly store: Store }) {
 interface MapEditorProps {
   readonly session: string;
   readonly onClose: () => void;
-  /** The session has ended on the server: begin another on the same map. */
+  /** The session has ended on the server: start another one on the same map. */
   readonly onGone: () => void;
 }
 
-/** A map that is edited: painted, cropped, turned, and kept as a new map. */
+/** A map that is edited: painted, cropped, rotated, and saved as a new map. */
 export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
   const picture = useRef<Picture | null>(null);
   const stage = useRef<HTMLDivElement>(null);
@@ -378,7 +378,7 @@ function UndoRedo({ store }: { readonly store: Store }) {
   );
 }
 
-/** Ctrl+Z and Ctrl+Shift+Z, or Ctrl+Y, except in a field; the returned function ends that. */
+/** Ctrl+Z and Ctrl+Shift+Z, or Ctrl+Y, except in a text field. The returned function ends that. */
 function listenForUndo(store: Store): () => void {
   const onKey = (event: KeyboardEvent): void => {
     const pressed = event.key.toLowerCase();

@@ -1,4 +1,4 @@
-/** The newest message of a topic at the moment that the log is at, as a tree of its fields. */
+/** The newest message of a topic at the log's present time, as a tree of its fields. */
 
 import { type Signal, useSignal } from "@preact/signals";
 import { shownTime } from "../../../store/shownTime";
@@ -15,30 +15,30 @@ import "./messages.css";
 
 type Tree = string | number | boolean | null | readonly Tree[] | { readonly [name: string]: Tree };
 
-/** Whether a value has parts of its own. */
+/** Whether a value has children. */
 const isBranch = (value: Tree): value is readonly Tree[] | { readonly [name: string]: Tree } =>
   typeof value === "object" && value !== null;
 
-/** The parts of a branch, with the names of fields or the numbers of elements. */
+/** The children of a value, with the names of fields or the indices of elements. */
 const partsOf = (value: readonly Tree[] | { readonly [name: string]: Tree }): readonly [string, Tree][] =>
   Array.isArray(value)
     ? value.map((child: Tree, n): [string, Tree] => [String(n), child])
     : Object.entries(value as { readonly [name: string]: Tree });
 
-/** Texts that stand as they are: numbers that JSON has not. */
+/** Text without quotes: numbers that JSON does not have. */
 const PLAIN = /^(\.nan|-?\.inf|-?\d{16,20})$/;
 
-/** A value without parts, as YAML writes it. */
+/** A value without children in YAML. */
 function scalar(value: Tree): string {
   if (typeof value !== "string") return Array.isArray(value) ? "[]" : isBranch(value) ? "{}" : String(value);
   if (PLAIN.test(value)) return value;
-  return JSON.stringify(value); // a text in JSON's quotes is one of YAML's, too
+  return JSON.stringify(value); // text in JSON's quotes is valid YAML
 }
 
-/** A name as a key of YAML: that of a field in JSON may be any text. */
+/** A name as a key of YAML; a field's name in JSON may be any text. */
 const key = (name: string): string => (/^[A-Za-z_]\w*$/.test(name) ? name : JSON.stringify(name));
 
-/** The lines of a message; a part of a sequence begins with a dash. */
+/** The lines of a message; an element of a sequence starts with a dash. */
 export function yamlOf(value: Tree, indent = ""): string {
   if (!isBranch(value) || partsOf(value).length === 0) return `${indent}${scalar(value)}\n`;
   const isList = Array.isArray(value);
@@ -61,9 +61,9 @@ const MESSAGE = "GET /api/sessions/{session_id}/contents/message";
 interface MessagesProps {
   readonly store: Store;
   readonly session: string;
-  /** The topic that is shown; "" for the first. */
+  /** The topic shown; "" for the first. */
   readonly topic: Signal<string>;
-  /** Plot a number of a topic's messages, by its path. */
+  /** Plot a numeric field of a topic by its path. */
   readonly onPlot: (topic: string, field: string) => void;
 }
 
@@ -143,13 +143,16 @@ function OfTopic({ store, session, topic, onPlot }: Omit<MessagesProps, "topic">
 interface BranchProps {
   readonly value: readonly Tree[] | { readonly [name: string]: Tree };
   readonly path: string;
-  /** The paths of the branches that are unfolded. */
+  /** The paths of the unfolded branches. */
   readonly open: Signal<ReadonlySet<string>>;
-  /** Plot a number, by its path. */
+  /** Plot a numeric field by its path. */
   readonly onPlot: (path: string) => void;
 }
 
-/** Fields and elements; those with parts unfold, and stay so as the moment changes. A number can be plotted. */
+/**
+ * Fields and elements. Those with children can be unfolded, which is kept as the time changes. A numeric field can be
+ * plotted.
+ */
 function Branch({ value, path, open, onPlot }: BranchProps) {
   return (
     <ul class="message-tree">

@@ -7,7 +7,7 @@ import type { NoteAnswer } from "../../../wire/http";
 import { goToNote } from "./Notes";
 import type { NotesState } from "./useNotes";
 
-/** The text of the chosen note over the map, until it is closed: for a guest, who came for it. */
+/** The text of the selected note over the map, until it is closed: for a guest whose link contains it. */
 export function NoteCard({ state }: { readonly state: NotesState }) {
   const closed = useSignal<string | null>(null);
   const note = (state.notes.value ?? []).find(({ id }) => id === state.chosen.value);
@@ -33,7 +33,7 @@ interface NotePinsProps {
   readonly onOpen: () => void;
 }
 
-/** The notes that have a place, as pins over the map. */
+/** The notes with a place, as pins on the map. */
 export function NotePins({ store, state, onOpen }: NotePinsProps) {
   const layer = useRef<HTMLDivElement>(null);
   const size = useSignal<Size>({ width: 0, height: 0 });

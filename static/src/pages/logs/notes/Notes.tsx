@@ -26,7 +26,7 @@ interface NotesProps {
   readonly isGuest: boolean;
 }
 
-/** The notes on the log: written, changed and deleted here, shown on the slider and on the map. */
+/** The notes on the log: written, edited and deleted here, and shown on the slider and on the map. */
 export function Notes({ store, session, state, isGuest }: NotesProps) {
   const edited = useSignal<string | null>(null);
   useEffect(() => void state.refresh(), [state.notes]);
@@ -84,7 +84,7 @@ export function Notes({ store, session, state, isGuest }: NotesProps) {
   );
 }
 
-/** Show a note's moment and place, and mark it as chosen. */
+/** Show the time and place of a note, and mark it as selected. */
 export function goToNote(store: Store, { chosen }: NotesState, note: NoteAnswer): void {
   chosen.value = note.id;
   const scan = scanOf(note, store.trajectory.peek(), store.frame.peek()?.count ?? 0);
@@ -140,7 +140,7 @@ function pinLabel(store: Store, { at_s, scan, x, y, outline }: Pin): string {
 interface EditorProps {
   readonly store: Store;
   readonly state: NotesState;
-  /** The note that is changed; without it a new one is written. */
+  /** The note being edited; null for a new one. */
   readonly note?: NoteAnswer;
   readonly onDone?: () => void;
 }
@@ -157,7 +157,7 @@ function Editor({ store, state, note, onDone }: EditorProps) {
   const measuring = measuringOf(store);
   const measured = measuring.tool.value === "area" ? measuring.onMap.value : [];
   const area = note?.outline ?? (measured.length >= 3 && areaOf(measured) > 0 ? measured : null);
-  // What a note has keeps its pin; what is newly pinned takes the moment, or the cell that was clicked.
+  // An existing pin of a note is kept. A new one is at the present time, or in the clicked cell.
   const pin: Pin = {
     at_s: hasTime.value ? (note?.at_s ?? frame?.stamp ?? 0) : null,
     scan: hasTime.value ? (note?.scan ?? frame?.index ?? 0) : null,
@@ -173,7 +173,7 @@ function Editor({ store, state, note, onDone }: EditorProps) {
     busy.value = true;
     const kept = text.peek();
     if (await state.keep(kept.trim(), pin, note?.id)) {
-      if (!note && text.peek() === kept) text.value = ""; // else it is the text of the next note already
+      if (!note && text.peek() === kept) text.value = ""; // otherwise it is already the text of the next note
       onDone?.();
     }
     busy.value = false;

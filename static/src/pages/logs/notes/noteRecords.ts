@@ -1,17 +1,17 @@
-/** The notes on a log: kept by the server, pinned to a time, a place or both. */
+/** The notes on a log, stored by the server, pinned to a time, a place or both. */
 
 import { ask } from "../../../wire/ask";
 import type { NoteAnswer } from "../../../wire/http";
 import type { Point, Trajectory } from "../../../wire/protocol";
 
 export interface Pin {
-  /** Seconds after the log's first scan, and the number of scans in the map then. */
+  /** Seconds after the log's first scan, and the number of scans in the map at that time. */
   readonly at_s: number | null;
   readonly scan: number | null;
   /** A place on the map, metres. */
   readonly x: number | null;
   readonly y: number | null;
-  /** The corners of an area on the map, metres; its place is the centroid, which the server finds. */
+  /** The corners of an area on the map, metres; its place is the centroid, computed by the server. */
   readonly outline: readonly Point[] | null;
 }
 
@@ -19,7 +19,7 @@ export async function fetchNotes(session: string): Promise<readonly NoteAnswer[]
   return (await ask("GET /api/sessions/{session_id}/notes", { session_id: session })).notes;
 }
 
-/** Keep a note; `id` of one that is changed. */
+/** Save a note; `id` for an existing one. */
 export function keepNote(session: string, text: string, pin: Pin, id?: string): Promise<NoteAnswer> {
   const body = { text, ...pin };
   if (id === undefined) return ask("POST /api/sessions/{session_id}/notes", { session_id: session }, { body });
@@ -31,8 +31,8 @@ export function deleteNote(session: string, id: string): Promise<void> {
 }
 
 /**
- * The number of scans in the map at a note's time, null for a note without one. Another sensor of the log has other
- * scans at the same time, so that the seconds count where the log has times.
+ * The number of scans in the map at a note's time, null for a note without a time. Another sensor of the log has other
+ * scans at the same time, so the seconds count if the log has times.
  */
 export function scanOf(note: Pin, trajectory: Trajectory | null, count: number): number | null {
   if (note.scan === null || note.at_s === null) return null;
@@ -46,6 +46,6 @@ export function scanOf(note: Pin, trajectory: Trajectory | null, count: number):
     else high = middle;
   }
   const coarse = low * trajectory.every + 1;
-  // The trajectory may have only some of the scans: where the note's own number is as near, it is exact.
+  // The trajectory may have only some of the scans. If the note's own number is equally near, it is exact.
   return Math.min(Math.abs(note.scan - coarse) <= trajectory.every ? note.scan : coarse, count);
 }

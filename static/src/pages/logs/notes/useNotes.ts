@@ -7,16 +7,18 @@ import { deleteNote, fetchNotes, keepNote, type Pin } from "./noteRecords";
 export interface NotesState {
   /** Null until they are known. */
   readonly notes: Signal<readonly NoteAnswer[] | null>;
-  /** The id of the note that was chosen on the slider, on the map or in the list. */
+  /** The id of the note that is selected on the slider, on the map or in the list. */
   readonly chosen: Signal<string | null>;
   readonly failure: Signal<string | null>;
   readonly refresh: () => Promise<void>;
-  /** Resolve to whether it was done. */
+  /** Resolve to whether it succeeded. */
   readonly keep: (text: string, pin: Pin, id?: string) => Promise<boolean>;
   readonly remove: (id: string) => Promise<boolean>;
 }
 
-/** The notes on the log of a session, fetched again whenever one has changed; `first` is the id of the one chosen at first. */
+/**
+ * The notes on the log of a session, fetched again after each change. `first` is the id of the initially selected one.
+ */
 export function useNotes(session: string, store: Store, first: string | null = null): NotesState {
   const notes = useSignal<readonly NoteAnswer[] | null>(null);
   const chosen = useSignal<string | null>(first);

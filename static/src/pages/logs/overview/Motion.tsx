@@ -9,7 +9,7 @@ import { StripRow } from "../plots/StripRow";
 import { nearest, type Shown, scanAtPlace, shownRange } from "../plots/strips";
 import { useMoments, useScanSeries } from "../plots/useScanSeries";
 
-/** What is shown, each the first of which there are values: of a log without times there are no rates. */
+/** The quantities shown, each the first that has values: a log without times has no rates. */
 const WANTED: readonly (readonly string[])[] = [["speed", "pose step"], ["turn rate", "turn"], ["returns"]];
 
 interface Plotted {
@@ -17,7 +17,7 @@ interface Plotted {
   readonly range: Shown;
 }
 
-/** The plots that tell something of a log: those whose values differ. */
+/** The plots with differing values. */
 export function motionOf(columns: readonly SeriesColumn[]): readonly Plotted[] {
   return WANTED.flatMap((labels) => {
     const found = labels
@@ -35,7 +35,7 @@ interface MotionProps {
   readonly zoom: Signal<Span | null>;
 }
 
-/** How the robot moved and what its sensor saw over the time of the log. */
+/** The motion of the robot and the returns of its sensor over the time of the log. */
 export function Motion({ store, session, zoom }: MotionProps) {
   const { series, whole } = useScanSeries(store, session, zoom);
   const { now, selected } = useMoments(store, series);

@@ -13,7 +13,7 @@ import { UtcSwitch } from "../time/Moment";
 import { Motion } from "./Motion";
 import "../viewer.css";
 
-/** The length of the path through the poses that the page has of a trajectory, which need not be all, m. */
+/** The length of the path through the poses of a trajectory on this page, which may be a part of them, m. */
 export function lengthOf({ poses }: Pick<Trajectory, "poses">): number {
   let sum = 0;
   let before = poses[0];
@@ -28,7 +28,7 @@ const RECORDED = "Recorded";
 
 const metres = (length: number): string => `${written(length, length < 100 ? 1 : 0)} m`;
 
-/** The facts of a log: names, and values. */
+/** The facts of a log as names and values. */
 function factsOf(
   log: LogInfo,
   trajectory: Trajectory | null,
@@ -86,7 +86,7 @@ interface OverviewProps {
   readonly children: ComponentChildren;
 }
 
-/** What a log opens on: what it is, what happened in it, its motion, and its topics once they are known. */
+/** The first group of a log: its facts, its events, its motion, and its topics once they are known. */
 export function Overview({ store, session, doctor, onCorrectPoses, zoom, children }: OverviewProps) {
   const contents = useContext(ContentsContext)?.state.value;
   const hasTopics = contents?.kind === "ready" && contents.contents.topics.length > 0;

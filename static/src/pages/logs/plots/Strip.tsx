@@ -1,4 +1,4 @@
-/** One low plot over the time of a log, in a column of several with one cursor and one interval. */
+/** A low plot over the time of a log, one of a column with a common cursor and interval. */
 
 import { effect, type ReadonlySignal, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -37,15 +37,15 @@ interface StripProps {
   /** The visible interval. */
   readonly span: Span;
   readonly zoom: Signal<Span | null>;
-  /** Where the pointer or the keyboard is on the axis; null nowhere. */
+  /** The position of the pointer or the keyboard on the axis; null for none. */
   readonly pointed: Signal<number | null>;
-  /** The place of the map's moment. */
+  /** The position of the map's time. */
   readonly now: ReadonlySignal<number | null>;
-  /** The places of what is selected in all views. */
+  /** The positions of what is selected in all views. */
   readonly selected: ReadonlySignal<readonly number[]>;
-  /** Whether the axis of time is written below it. */
+  /** Whether the time axis is drawn below it. */
   readonly hasAxis: boolean;
-  /** The time of the log's first scan, s since 1970, where the axis is in UTC; else null. */
+  /** The time of the log's first scan, s since 1970, if the axis is in UTC; else null. */
   readonly start: number | null;
   readonly onGo: (place: number) => void;
 }
@@ -106,7 +106,7 @@ export function Strip(props: StripProps) {
         ],
         setCursor: [
           (chart) => {
-            // Only of the plot that the pointer is over: its place reaches the others by the signal and by uPlot.
+            // Only for the plot under the pointer; the others follow by the signal and by uPlot.
             if (!isPointing) return;
             const { left } = chart.cursor;
             pointed.value = left === undefined || left < 0 ? null : chart.posToVal(left, "x");

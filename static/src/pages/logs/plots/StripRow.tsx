@@ -4,7 +4,7 @@ import type { Strip as StripOf } from "./Strip";
 import { type Shown, valueText } from "./strips";
 import "./plots.css";
 
-/** One low plot over time. uPlot is fetched when the first one is shown. */
+/** A low plot over time. uPlot is loaded when the first one is shown. */
 const Strip = lazy(async () => (await import("./Strip")).Strip);
 
 /** Colour roles: the robot's motion, its readings, the clock. */
@@ -17,7 +17,7 @@ interface StripRowProps extends Omit<ComponentProps<typeof StripOf>, "tone" | "s
   readonly value: number | null | undefined;
 }
 
-/** A plot with its name and its value at the cursor on its left. */
+/** A plot with its name and its value at the cursor on the left. */
 export function StripRow({ shown, value, ...plot }: StripRowProps) {
   const { column } = plot;
   return (

@@ -1,4 +1,4 @@
-/** Plots below the timeline of a log: motion and readings from scan to scan, with the timeline's cursor. */
+/** Plots below the timeline of a log: motion and readings by scan, with the timeline's cursor. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useId, useMemo } from "preact/hooks";
@@ -14,7 +14,7 @@ import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, z
 import type { TimelinePlotsState } from "./timelinePlots";
 import { useMoments, useScanSeries } from "./useScanSeries";
 
-/** What is shown at first; in a small window, so that the map has room, fewer. */
+/** The initial plots; fewer in a small window, so that the map has room. */
 const FIRST = ["speed", "turn rate", "turn", "returns", "pose step"];
 const FIRST_IF_SMALL = ["speed", "turn", "returns"];
 const isSmall = (): boolean => innerWidth < 704 || innerHeight < 800;
@@ -36,7 +36,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
     zoom.value = null;
   }, [session, trajectory]);
   useEffect(() => {
-    pointed.value = null; // the pointer is over another place now
+    pointed.value = null; // the pointer has moved to another position
   }, [session, trajectory, span]);
 
   const axis = series.value?.axis ?? "time";

@@ -1,17 +1,17 @@
-/** The arithmetic of the plots below a log's timeline. */
+/** Computations of the plots below a log's timeline. */
 
 import { written } from "../../../ui/numbers";
 import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import type { Trajectory } from "../../../wire/protocol";
 import { type Span, scanAtTime } from "../contents/series";
 
-/** The number of scans in the map at a place on the axis. */
+/** The number of scans in the map at a position on the axis. */
 export function scanAtPlace(axis: ScanSeries["axis"], trajectory: Trajectory, place: number, count: number): number {
   if (axis === "time") return scanAtTime(trajectory, place, count);
   return Math.min(count, Math.max(0, Math.round(place) + 1));
 }
 
-/** The place on the axis of the newest of `index` scans. */
+/** The position on the axis of the newest of `index` scans. */
 export function placeOfScan(axis: ScanSeries["axis"], { stamps, every }: Trajectory, index: number): number {
   const scan = Math.max(0, index - 1);
   if (axis === "scan") return scan;
@@ -20,7 +20,7 @@ export function placeOfScan(axis: ScanSeries["axis"], { stamps, every }: Traject
   return before + ((after - before) * (scan % every)) / every;
 }
 
-/** Index of the value that is nearest in time; `times` ascend. -1 without any. */
+/** Index of the value nearest in time; `times` ascend. −1 without values. */
 export function nearest(times: readonly number[], at: number): number {
   let low = 0;
   let high = times.length;
@@ -35,21 +35,21 @@ export function nearest(times: readonly number[], at: number): number {
   return before !== undefined && at - before < after - at ? low - 1 : low;
 }
 
-/** The range of a plot's y axis, and the extreme value that is outside of it, null for none. */
+/** The range of a plot's y axis, and the extreme value outside it, null for none. */
 export interface Shown {
   readonly low: number;
   readonly high: number;
   readonly beyond: number | null;
 }
 
-/** Share of the values that are taken as outliers, at either end. */
+/** Share of the values that are treated as outliers, at either end. */
 const OUTLIERS = 0.01;
-/** How far the axis goes beyond all others, as a part of their range. An outlier nearer than that is within it. */
+/** Margin of the axis beyond all other values, as a fraction of their range. A nearer outlier is inside it. */
 const MARGIN = 1;
 
 /**
- * A range in which the values are visible although a few are a hundred times as large, as a rate over two stamps that
- * are almost equal. What is outside is drawn at the edge, and stated as `beyond`. Null without values.
+ * A range in which the values are visible even if a few are a hundred times as large, such as a rate over two nearly
+ * equal stamps. Values outside are drawn at the edge and stated as `beyond`. Null without values.
  */
 export function shownRange(values: readonly (number | null)[]): Shown | null {
   const known = values.filter((value) => value !== null).sort((a, b) => a - b);
@@ -67,7 +67,10 @@ export function shownRange(values: readonly (number | null)[]): Shown | null {
   return { low: low - edge, high: high + edge, beyond };
 }
 
-/** The place after a key press: arrow keys a hundredth of the interval, with Shift a tenth, Home and End its ends. */
+/**
+ * The position after a key press: arrow keys move by a hundredth of the interval, with Shift by a tenth, Home and End
+ * to its ends.
+ */
 export function keyedPlace(key: string, shift: boolean, at: number, [from, to]: Span): number | null {
   const step = (to - from) * (shift ? 0.1 : 0.01);
   const moved: Record<string, number> = { ArrowRight: at + step, ArrowLeft: at - step, Home: from, End: to };
@@ -75,7 +78,7 @@ export function keyedPlace(key: string, shift: boolean, at: number, [from, to]: 
   return place === undefined ? null : Math.min(to, Math.max(from, place));
 }
 
-/** An interval around a place, `factor` times as long, within the whole one; null where it would be all of it. */
+/** An interval around a position, `factor` times as long, within the whole one; null if it would be the whole. */
 export function zoomedSpan([from, to]: Span, whole: Span, at: number, factor: number): Span | null {
   const length = (to - from) * factor;
   if (length >= whole[1] - whole[0]) return null;
@@ -84,7 +87,7 @@ export function zoomedSpan([from, to]: Span, whole: Span, at: number, factor: nu
   return [begin, begin + length];
 }
 
-/** Decimals with which a value is stated, by its unit. */
+/** Decimals of a value, by its unit. */
 const PLACES: Record<string, number> = { "%": 0, "m/s": 2, m: 2, s: 2, "rad/s": 2, rad: 2 };
 
 /** A value with its unit: 0.42 m/s. */
@@ -92,7 +95,7 @@ export function valueText(column: SeriesColumn, value: number | null | undefined
   return value === null || value === undefined ? "–" : `${written(value, PLACES[column.unit] ?? 3)} ${column.unit}`;
 }
 
-/** The interval of all times; of a single one, a second that begins with it. */
+/** The interval of all times; for a single one, the second that starts with it. */
 export function wholeSpan(times: readonly number[]): Span {
   const from = times[0] ?? 0;
   const to = times[times.length - 1] ?? from;

@@ -9,7 +9,7 @@ import { selectedMoments } from "../time/scanTimes";
 import { wholeSpan } from "./strips";
 
 interface ScanSeriesState {
-  /** The numbers from scan to scan along the session's trajectory, in the interval `zoom`; null until they are known. */
+  /** The quantities by scan along the session's trajectory, in the interval `zoom`; null until they are known. */
   readonly series: Signal<ScanSeries | null>;
   readonly failure: Signal<string | null>;
   /** The interval of the whole log. */
@@ -36,7 +36,7 @@ export function useScanSeries(store: Store, session: string, zoom: Signal<Span |
   return { series, failure, whole };
 }
 
-/** The places on the axis of `series` of the map's moment, null for none, and of what is selected in all views. */
+/** Positions on the axis of `series`: of the map's time, null for none, and of what is selected in all views. */
 export function useMoments(
   store: Store,
   series: ReadonlySignal<ScanSeries | null>,

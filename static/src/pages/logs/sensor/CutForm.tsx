@@ -13,22 +13,22 @@ const factor = (row: Parameter): number => (row.unit === "rad" ? DEGREES : 1);
 
 export const shownUnit = (row: Parameter): string => (row.unit === "rad" ? "°" : row.unit);
 
-/** The bounds in the unit that is shown; rounded inwards, so that what is typed is within the server's. */
+/** The bounds in the displayed unit, rounded inwards so that an entered value is within the server's bounds. */
 export function shownBounds(row: Parameter): readonly [number, number] {
   const inwards = (value: number, up: boolean): number => (up ? Math.ceil : Math.floor)(value * 1e3) / 1e3;
   return [inwards(row.low * factor(row) - 1e-9, true), inwards(row.high * factor(row) + 1e-9, false)];
 }
 
-/** By how much the arrow keys change a value, in the unit that is shown. */
+/** Step of the arrow keys in the displayed unit. */
 const shownStep = (row: Parameter): number => (row.unit === "pixels" ? 1 : 0.01);
 
 export const shownValue = (row: Parameter, value: number): number => Number((value * factor(row)).toFixed(4));
 
-/** A value as it is shown in the server's unit and within its bounds; NaN for NaN. */
+/** A displayed value in the server's unit and within its bounds; NaN for NaN. */
 export const statedValue = (row: Parameter, shown: number): number =>
   Math.min(Math.max(shown / factor(row), row.low), row.high);
 
-/** What is wrong with the values together; null where they are a cut. */
+/** The error of the values in combination; null if they define a cut. */
 export function faultOf(cut: Readonly<Record<string, number>>): string | null {
   const { min_height, max_height, angle_min, angle_max } = cut;
   if (Object.values(cut).some((value) => Number.isNaN(value))) return "Each field needs a number.";
@@ -44,7 +44,7 @@ interface CutFormProps {
   readonly sensor: SensorState;
 }
 
-/** How the scans of the map are cut out of point clouds or depth images; nothing for the scans of a lidar. */
+/** The cut of the map's scans from point clouds or depth images; nothing for the scans of a lidar. */
 export function CutForm({ log, sensor }: CutFormProps) {
   if (!log.cut) return null;
   return (
@@ -76,7 +76,7 @@ interface FieldsProps {
 function Fields({ table, values, sensor, topic }: FieldsProps) {
   const start = (): Cut =>
     Object.fromEntries(table.map((row) => [row.name, shownValue(row, Number(values[row.name]))]));
-  const typed = useSignal(start()); // as they are shown
+  const typed = useSignal(start()); // as displayed
   useEffect(() => {
     typed.value = start();
   }, [values]);

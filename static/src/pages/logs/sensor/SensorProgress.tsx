@@ -3,7 +3,7 @@ import { ProgressBar } from "../../../ui/ProgressBar";
 import { progressText } from "../../../ui/Working";
 import type { SensorState } from "./useSensor";
 
-/** How far the reading of another sensor is, with a button that ends it; or why it failed. */
+/** The progress of reading another sensor, with a button that cancels it, or the error. */
 export function SensorProgress({ sensor }: { readonly sensor: SensorState }) {
   const { reading, progress, failure, cancel } = sensor;
   const now = progress.value;

@@ -3,21 +3,21 @@ import { useEffect, useRef } from "preact/hooks";
 import { ask } from "../../../wire/ask";
 import { followMaking, type Making, newName } from "../../making";
 
-/** How scans are cut out of point clouds and depth images: values of the server's table. */
+/** The cut of scans from point clouds and depth images: values of the server's table. */
 export type Cut = Readonly<Record<string, number>>;
 
 export interface SensorState {
-  /** The topic that is being read; null while none is. */
+  /** The topic that is being read; null for none. */
   readonly reading: Signal<string | null>;
-  /** How far reading it is; null before that is known. */
+  /** Progress of reading it; null before it is known. */
   readonly progress: Signal<Making | null>;
   readonly failure: Signal<string | null>;
-  /** Map another sensor of the log, or cut its scans otherwise. */
+  /** Map another sensor of the log, or change its cut. */
   readonly use: (topic: string, cut: Cut | null) => Promise<void>;
   readonly cancel: () => void;
 }
 
-/** Changes the sensor that a session maps; `onUsed` is called with the topic once it has. */
+/** Changes the sensor that a session maps; `onUsed` is called with the topic afterwards. */
 export function useSensor(session: string, onUsed: (topic: string) => void): SensorState {
   const reading = useSignal<string | null>(null);
   const progress = useSignal<Making | null>(null);

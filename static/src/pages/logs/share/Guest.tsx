@@ -21,7 +21,7 @@ export function Guest({ token }: { token: string }) {
   const opened = useSignal<Opened | null>(null);
   const failure = useSignal<string | null>(null);
   const ending = useRef<AbortController | null>(null);
-  /** Open the link; a failure that may pass stays in view until a later try succeeds. */
+  /** Open the link. A temporary failure is shown until a later attempt succeeds. */
   const open = async (isRepeated = false): Promise<void> => {
     if (!isRepeated) failure.value = null;
     opened.value = null;

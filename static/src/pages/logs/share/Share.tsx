@@ -12,7 +12,7 @@ interface ShareProps {
   readonly session: string;
   /** The visible part of the map; null for all of it. */
   readonly sharedView: () => SharedView | null;
-  /** What else of the page a link shows. */
+  /** Other state of the page that a link contains. */
   readonly shown: () => Promise<Shown>;
 }
 

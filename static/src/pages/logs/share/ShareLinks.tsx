@@ -13,11 +13,11 @@ interface ShareLinksProps {
   readonly session: string;
   /** The visible part of the map; null for all of it. */
   readonly sharedView: () => SharedView | null;
-  /** What else of the page a link shows. */
+  /** Other state of the page that a link contains. */
   readonly shown?: () => Promise<Shown>;
-  /** What the session shows one after the other. */
+  /** The sequence that the session shows. */
   readonly unit?: "scan" | "costmap";
-  /** What a link opens, and what its guests may do. */
+  /** What a link opens, and the rights of its guests. */
   readonly text: string;
   /** Other ways to share the view. */
   readonly children?: ComponentChildren;
@@ -40,7 +40,7 @@ const absolute = (link: Link): string => new URL(link.address, location.href).hr
 const made = ({ created_s }: Link): string =>
   new Date(1000 * created_s).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
 
-/** Creates links to this view, lists and revokes one's own. */
+/** Creates links to this view, and lists and revokes the visitor's own. */
 export function ShareLinks({ session, sharedView, shown, unit = "scan", text, children }: ShareLinksProps) {
   const links = useSignal<readonly Link[] | null>(null);
   const said = useSignal("");

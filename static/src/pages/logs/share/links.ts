@@ -14,7 +14,7 @@ export type { Link, Shown };
 export const makeLink = (session: string, look: SharedView | null, shown: Shown | null = null): Promise<Link> =>
   ask("POST /api/sessions/{session_id}/links", { session_id: session }, { body: { look, shown } });
 
-/** The links to the log of a session that its visitor has made, the newest first. */
+/** The links to a session's log that its visitor has made, newest first. */
 export const linksOf = async (session: string): Promise<readonly Link[]> =>
   (await ask("GET /api/sessions/{session_id}/links", { session_id: session })).links;
 
@@ -27,8 +27,8 @@ export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/
 export const shared = (token: string): Promise<SharedAnswer> => ask("GET /api/shared/{token}", { token });
 
 /**
- * Open a separate session on the view of a link, or on the point clouds of its log. `ending` ends the request. With
- * reduced motion a log that would play from its start is shown whole.
+ * Open a separate session on the view of a link, or on the point clouds of its log. `ending` aborts the request. With
+ * reduced motion, a log that would play from its start is shown complete.
  */
 export async function beginShared(token: string, ending: AbortSignal, clouds = false): Promise<SessionAnswer> {
   const name = newName();
@@ -48,7 +48,7 @@ const counted = (n: number, single: string, more: string): string => (n === 1 ? 
 const scansOf = (index: number, count: number): string =>
   index === count ? "the whole log" : `${index} of ${count} scans`;
 
-/** The view of a link in one line; `unit` is what its log shows one after the other. */
+/** The view of a link in one line; `unit` is the unit of the log's sequence. */
 export function described(link: Link, unit: "scan" | "costmap" = "scan"): string {
   const { index, count, changed, topic, trajectory, watching } = link;
   return [

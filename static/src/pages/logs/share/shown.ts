@@ -1,4 +1,4 @@
-/** What a link keeps of the page beside the visible part of the map, and how a page comes to show it. */
+/** The state of the page in a link in addition to the visible part of the map, and its restoration. */
 
 import { effect, type Signal } from "@preact/signals";
 import type { RefObject } from "preact";
@@ -20,10 +20,10 @@ import type { Shown } from "./links";
 export interface GuestOfLink {
   readonly view: SharedView | null;
   readonly shown?: Shown | null;
-  /** What the sender had been told about the log; null where it had not been examined. */
+  /** The findings shown to the sender; null if the log had not been examined. */
   readonly examination?: DoctorAnswer | null;
   readonly onEnded: () => void;
-  /** Begin a session on the point clouds of the log. */
+  /** Start a session on the point clouds of the log. */
   readonly openClouds: (ending: AbortSignal) => Promise<SessionAnswer>;
 }
 
@@ -46,7 +46,7 @@ export function applySharedView(store: Store, picture: RefObject<Picture | null>
   return () => cancelAnimationFrame(waiting);
 }
 
-/** The most that the server keeps of each. */
+/** The server's limits of each. */
 const MOST = { fields: 20, points: 1000, text: 200, comparison: 16_000 };
 
 interface ShownPage {
@@ -101,7 +101,7 @@ export async function shownOf(page: ShownPage): Promise<Shown> {
   };
 }
 
-/** Show the times, the selected place and what is measured as a link has them; the returned function ends waiting. */
+/** Show the times, the selected place and the measurements of a link. The returned function stops waiting. */
 export function applyShown(store: Store, shown: Shown, openGroup: Signal<string>): () => void {
   if (shown.utc !== null) inUtc.value = shown.utc;
   let isDone = false;
@@ -117,7 +117,7 @@ export function applyShown(store: Store, shown: Shown, openGroup: Signal<string>
     }
     if (shown.place) {
       store.explain(shown.place);
-      if (shown.group) openGroup.value = shown.group; // which an explanation takes the place of
+      if (shown.group) openGroup.value = shown.group; // which an explanation replaces
     }
   });
   return stop;

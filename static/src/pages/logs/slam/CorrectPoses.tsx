@@ -1,4 +1,4 @@
-/** Corrects the poses of a log with SLAM, and shows and changes the pose graph that they come from. */
+/** Corrects the poses of a log with SLAM, and shows and edits the resulting pose graph. */
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -27,7 +27,7 @@ interface Row {
   readonly source: string | null;
 }
 
-/** One's own rows, and those of others, the best first. */
+/** The visitor's own rows and those of others, the best first. */
 export function rowsOf(score: PoseScore): readonly Row[] {
   const own = [
     { name: trajectoryLabel(score.trajectory), figures: score.all },
@@ -118,7 +118,7 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
   );
 }
 
-/** Author and year, or who measured it: what comes before the title or the log. */
+/** Author and year, or who measured it: the part before the title or the log. */
 const shortSource = (source: string): string => source.split(/[,:]/, 1)[0] ?? source;
 
 function Table({ score }: { readonly score: PoseScore }) {
@@ -265,11 +265,11 @@ const beginning = (job: SlamStatus): string =>
 interface OutcomeProps {
   readonly job: SlamStatus;
   readonly store: Store;
-  /** Of the log, by the doctor. */
+  /** Of the log, from the doctor. */
   readonly events: readonly LogEvent[];
 }
 
-/** What has become of a job: figures of the map, and what the wheels did not measure. */
+/** The result of a job: figures of the map, and motion that the wheels did not measure. */
 export function Outcome({ job, store, events }: OutcomeProps) {
   if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;
   if (job.state === "failed")
@@ -325,7 +325,7 @@ interface FigureProps {
   readonly form: (value: number) => string;
 }
 
-/** A figure of the map before SLAM and now; nothing where it is not known. */
+/** A figure of the map before SLAM and now; nothing if it is unknown. */
 function Figure({ name, title, values, form }: FigureProps) {
   if (!values) return null;
   const [before, after] = values;
@@ -345,7 +345,7 @@ interface ResultsProps extends Omit<CorrectPosesProps, "doctor" | "isGuest"> {
   readonly job: SlamStatus | null;
 }
 
-/** Look at the map along the corrected poses, alone or beside the one from before. */
+/** Show the map along the corrected poses, alone or beside the previous one. */
 function Results({ store, session, job, comparison, correction }: ResultsProps) {
   const failure = useSignal<string | null>(null);
   const corrected = job?.state === "done" ? (job.result?.trajectory ?? null) : null;

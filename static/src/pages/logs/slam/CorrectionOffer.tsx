@@ -11,8 +11,8 @@ interface CorrectionOfferProps {
 }
 
 /**
- * Beside the title of a log: that it is examined; if its poses drift or never change, as those of a log that states none,
- * that they do, with the button that corrects it.
+ * Beside the title of a log: its examination; if its poses drift or never change, as in a log without poses, a sentence
+ * on that with the button that corrects it.
  */
 export function CorrectionOffer({ store, doctor, correction, onCorrectPoses }: CorrectionOfferProps) {
   const isStill = standsStill(store.trajectory.value?.poses ?? []);

@@ -22,7 +22,7 @@ const KEYS: Record<string, readonly [col: number, row: number]> = {
   ArrowDown: [0, -1],
 };
 
-/** Percent into a colour: the higher, the stronger. */
+/** A percentage as a colour: the higher, the stronger. */
 function paint(canvas: HTMLCanvasElement, { size, scores }: ScoreLandscape): void {
   const context = canvas.getContext("2d");
   if (!context) return;
@@ -201,7 +201,7 @@ function Pointed({ correction }: { readonly correction: PoseCorrection }) {
   );
 }
 
-/** Which edges determine the selected pose, and by how much it misses each. */
+/** The edges that determine the selected pose, with the residual of each. */
 function SelectedPose({ correction }: { readonly correction: PoseCorrection }) {
   const now = correction.constraints.value;
   if (!now) return null;
@@ -291,7 +291,7 @@ function Selected({ correction, isGuest }: { readonly correction: PoseCorrection
   );
 }
 
-/** Why no loop closed at a place: what was tried there, and what refused it. */
+/** Why no loop closed at a place: the attempts there, and the test that rejected each. */
 function Why({ store, correction, isGuest }: Omit<GraphProps, "graph">) {
   const place = correction.place.value;
   const refused = correction.candidate.value?.accepted === false ? correction.candidate.value : null;

@@ -27,7 +27,7 @@ const STAGES: Readonly<Record<string, string>> = {
   writing: "Writing the log of both",
 };
 
-/** The page of the log of both. */
+/** The page of the merged log. */
 const pageOf = ({ log, topic }: NonNullable<MergeStatus["result"]>): string => {
   const query = new URLSearchParams({ log });
   if (topic !== null) query.set("topic", topic);

@@ -1,4 +1,4 @@
-/** How well the poses of a log agree with what was measured: residuals of its pose graph, and errors between two paths. */
+/** Agreement of a log's poses with the measurements: residuals of its pose graph, and errors between two paths. */
 
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
@@ -35,7 +35,7 @@ export function Residuals(props: ResidualsProps) {
   );
 }
 
-/** Residuals of the graph of the map's trajectory; of one without a graph what its readings contradict in the map. */
+/** Residuals of the graph of the map's trajectory; without a graph, the readings that contradict the map. */
 function OfPoses({ store, session, zoom }: ResidualsProps) {
   const names = useFieldNames(session);
   const fields = names.kind === "ready" ? names.value.find(({ topic }) => topic === GRAPH)?.fields : undefined;
@@ -78,7 +78,7 @@ function OfPoses({ store, session, zoom }: ResidualsProps) {
   );
 }
 
-/** The relative error of two trajectories: first SLAM and the wheels. */
+/** The relative error of two trajectories, initially SLAM and the wheels. */
 function OfPaths({ store, session }: ResidualsProps) {
   const log = store.hello.value?.log;
   const [reference = "", estimate = ""] = log?.compared ?? [];

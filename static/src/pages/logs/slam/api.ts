@@ -29,7 +29,7 @@ export const slamState = (id: string): Promise<SlamStatus> =>
 export const cancelSlam = (id: string): Promise<SlamStatus> =>
   ask("DELETE /api/sessions/{session_id}/heal", { session_id: id });
 
-/** The graph of the trajectory in use; null where it has none. */
+/** The graph of the trajectory in use; null if it has none. */
 export const poseGraph = async (id: string): Promise<PoseGraphAnswer | null> =>
   (await ask("GET /api/sessions/{session_id}/graph", { session_id: id })).graph;
 
@@ -52,7 +52,7 @@ export const changeGraph = async (id: string, body: ChangeOfGraph): Promise<Pose
 export const edgeOf = (id: string, edge: number): Promise<EdgeAnswer> =>
   ask("GET /api/sessions/{session_id}/graph/edges/{edge}", { session_id: id, edge });
 
-/** The edges that determine the pose of a scan, from 0; null where the poses have no graph. */
+/** The edges that determine the pose of a scan, from 0; null if the poses have no graph. */
 export async function constraintsOf(id: string, scan: number): Promise<ScanConstraints | null> {
   try {
     return await ask("GET /api/sessions/{session_id}/graph/scans/{scan}", { session_id: id, scan });

@@ -1,4 +1,4 @@
-/** SLAM of a log on its page: the job on the server, the pose graph, and what of it is selected. */
+/** SLAM of a log on its page: the job on the server, the pose graph, and the selection in it. */
 
 import { effect, type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
@@ -21,27 +21,27 @@ import * as api from "./api";
 
 /** The layer of the graph. */
 const LAYER = "graph";
-/** A pointer that rests so long on an edge asks for its scans. */
+/** A pointer that rests on an edge for this time requests its scans. */
 const REST_MS = 60;
 
 export class PoseCorrection extends LogJob<api.SlamStatus> {
-  /** The pose graph of the trajectory in use; null where it has none. */
+  /** The pose graph of the trajectory in use; null if it has none. */
   readonly graph = signal<PoseGraphAnswer | null>(null);
   readonly edge = signal<EdgeAnswer | null>(null);
-  /** The scores around the selected loop; null until they are there. */
+  /** The scores around the selected loop; null until they are known. */
   readonly landscape = signal<ScoreLandscape | null>(null);
   /** The edge under the pointer. */
   readonly hovered = signal<EdgeAnswer | null>(null);
   readonly candidate = signal<TriedLoopScans | null>(null);
   /** The edges of the selected pose. */
   readonly constraints = signal<ScanConstraints | null>(null);
-  /** The place that was asked about. */
+  /** The place of the question. */
   readonly place = signal<{ readonly at: Point; readonly found: TriedNear } | null>(null);
-  /** What takes a click on the map while the graph is shown. */
+  /** The target of a click on the map while the graph is shown. */
   readonly takesTap = signal<((point: Point) => boolean) | null>(null);
   /** The trajectory of the map before SLAM. */
   readonly before: Signal<string | null> = signal(null);
-  /** The parameters that the next job is begun with. */
+  /** The parameters of the next job. */
   readonly parameters = new JobParameters(api.slamParameters);
   #restTimer = 0;
   #pointed: number | null = null;
@@ -52,7 +52,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
     );
   }
 
-  /** Correct the log's poses with SLAM; a job that is under way is followed. */
+  /** Correct the log's poses with SLAM; a running job is followed. */
   begin(): Promise<void> {
     const trajectory = this.store.trajectory.peek()?.name ?? null;
     if (this.graph.peek() === null && !this.isUnderWay.peek()) this.before.value = trajectory;
@@ -61,7 +61,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
     return this.follow(() => api.correctPoses(this.session, this.parameters.changed()));
   }
 
-  /** Show the graph of the trajectory in use, where it has one. */
+  /** Show the graph of the trajectory in use, if it has one. */
   async load(): Promise<void> {
     try {
       this.graph.value = await api.poseGraph(this.session);
@@ -80,7 +80,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
       void this.#loadLandscape(edge);
     });
 
-  /** Select the pose of a scan, from 0: its edges are listed. Whether the poses have a graph. */
+  /** Select the pose of a scan, from 0, and list its edges. Returns whether the poses have a graph. */
   async selectPose(scan: number): Promise<boolean> {
     const detail = await api.constraintsOf(this.session, scan);
     this.#deselect();
@@ -93,11 +93,11 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
       const landscape = await api.landscapeOf(this.session, edge);
       if (this.edge.peek()?.edge === edge) this.landscape.value = landscape;
     } catch {
-      // A scan without points has no landscape.
+      // A scan without points has no score landscape.
     }
   }
 
-  /** Show the later scan of the selected loop where a place of the landscape puts it; null for where the loop puts it. */
+  /** Show the later scan of the selected loop at a position of the landscape; null for that of the loop. */
   tryPlace(place: LandscapePlace | null): void {
     const edge = this.edge.peek();
     const landscape = this.landscape.peek();
@@ -156,7 +156,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
     }, REST_MS);
   }
 
-  /** Change the graph; the map follows. */
+  /** Edit the graph; the map follows. */
   readonly change = (change: ChangeOfGraph): Promise<void> =>
     this.request("Asking", async () => {
       const edge = this.edge.peek()?.edge;
@@ -171,7 +171,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
       await api.keepGraph(this.session);
     });
 
-  /** Show the graph as a layer, and take clicks on the map; the result ends both. */
+  /** Show the graph as a layer, and handle clicks on the map. The returned function ends both. */
   show(): () => void {
     const unsubscribe = this.store.layers.subscribe(LAYER);
     this.takesTap.value = (point) => {

@@ -13,7 +13,10 @@ interface MomentProps {
   readonly duration: number;
 }
 
-/** The moment of the log; pressed, a field for another one. Beside it the switch between recorded time and UTC. */
+/**
+ * The present time of the log as a button that opens a field for another time, with the switch between recorded time
+ * and UTC.
+ */
 export function Moment({ store, seconds, duration }: MomentProps) {
   const isAsking = useSignal(false);
   const start = shownStart(store);
@@ -48,7 +51,7 @@ export function Moment({ store, seconds, duration }: MomentProps) {
   );
 }
 
-/** Whether times are in UTC, on the whole page. */
+/** Whether times are in UTC on the whole page. */
 export function UtcSwitch({ label = "UTC" }: { readonly label?: string }) {
   return (
     <button

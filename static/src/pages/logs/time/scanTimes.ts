@@ -1,4 +1,4 @@
-/** From scans to their times and back. The trajectory has the times of scans 0, `every`, 2 · `every` … */
+/** Conversion between scans and times. The trajectory has the times of scans 0, `every`, 2 · `every` … */
 
 import type { Store } from "../../../store/store";
 import { selectionOf } from "../../../tools/scene/selection";
@@ -6,7 +6,9 @@ import type { Trajectory } from "../../../wire/protocol";
 
 type Times = Pick<Trajectory, "stamps" | "every">;
 
-/** Recorded time when `index` scans are in the map, s from the first scan; between known ones as if they were even. */
+/**
+ * Recorded time when `index` scans are in the map, s from the first scan, interpolated linearly between known times.
+ */
 export function secondsAt({ stamps, every }: Times, index: number): number {
   const place = Math.max(0, index - 1) / every;
   const low = Math.floor(place);
@@ -15,9 +17,9 @@ export function secondsAt({ stamps, every }: Times, index: number): number {
   return from + (place - low) * (to - from);
 }
 
-/** The number of scans in the map at a moment: those up to it, at least one. */
+/** The number of scans in the map at a time: those until then, at least one. */
 export function scansAt({ stamps, every }: Times, seconds: number, count: number): number {
-  let low = 0; // the first known time that is later
+  let low = 0; // the first later known time
   let high = stamps.length;
   while (low < high) {
     const middle = (low + high) >> 1;
@@ -39,8 +41,8 @@ interface Moment {
 }
 
 /**
- * When what is selected in all views was seen: by the selected beam, which at first is the last that updated the cell,
- * or by the scans.
+ * When the selection of all views was measured: by the selected beam, initially the last that updated the cell, or by
+ * the scans.
  */
 export function selectedMoments(store: Store): readonly Moment[] {
   const selection = selectionOf(store).value;

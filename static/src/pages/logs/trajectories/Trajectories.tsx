@@ -17,7 +17,7 @@ import { addTrajectory, errorSeries, rowsOf, STATISTICS } from "./errors";
 import { TrajectoryChoice } from "./TrajectoryChoice";
 import "./trajectories.css";
 
-/** A TUM file brought as one more trajectory of the log, by a button or dropped here. */
+/** A TUM file that is added to the log as a trajectory, by a button or dropped here. */
 function AddTrajectory({ session }: { readonly session: string }) {
   const input = useRef<HTMLInputElement>(null);
   const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
@@ -84,11 +84,11 @@ interface TrajectoriesProps {
   readonly store: Store;
   readonly session: string;
   readonly isGuest: boolean;
-  /** What is compared now, for the paths on the map. */
+  /** The present comparison, for the paths on the map. */
   readonly errors: Signal<TrajectoryErrors | null>;
 }
 
-/** The poses of the map, trajectories brought along, and the errors of one trajectory against another one. */
+/** The poses of the map, added trajectories, and the errors of one trajectory against another. */
 export function Trajectories({ store, session, isGuest, errors }: TrajectoriesProps) {
   const log = store.hello.value?.log;
   return (

@@ -4,11 +4,11 @@ import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { sentence, trajectoryLabel } from "../library/describeLog";
 
-/** The choice of the poses that the map is made with. */
+/** The choice of the poses for the map. */
 export function TrajectoryChoice({ store }: { readonly store: Store }) {
   const picked = useSignal<string | null>(null);
   useSignalEffect(() => {
-    // The server has accepted or refused the choice, or someone else has made another one.
+    // The server has accepted or refused the choice, or somebody else has made another.
     void store.trajectory.value;
     void store.notice.value;
     picked.value = null;

@@ -1,11 +1,11 @@
-/** The errors of one trajectory of a log against another one, as the server computes them. */
+/** The errors of one trajectory of a log against another, computed by the server. */
 
 import { ask } from "../../../wire/ask";
 import type { ErrorStatistics, SeriesAnswer, TrajectoryErrors } from "../../../wire/http";
 
 export const STATISTICS = ["rmse", "mean", "median", "std", "min", "max"] as const;
 
-/** The rows of the table: what, its unit, and the figures in that unit; angles in degrees. */
+/** The rows of the table: quantity, unit, and the figures in that unit; angles in degrees. */
 export function rowsOf({
   absolute,
   relative,
@@ -22,7 +22,7 @@ export function rowsOf({
   ];
 }
 
-/** The errors over time for a plot: translation and rotation each in one of its own. */
+/** The errors over time for a plot, with translation and rotation separate. */
 export function errorSeries(errors: TrajectoryErrors, which: "absolute" | "relative"): SeriesAnswer {
   const { times, translation_m, rotation_rad } = errors.series[which];
   return {
@@ -43,7 +43,7 @@ export function errorSeries(errors: TrajectoryErrors, which: "absolute" | "relat
   };
 }
 
-/** A TUM file is added to the log of a session as a trajectory under its own name. Rejects with the server's sentence. */
+/** Add a TUM file to the log of a session as a trajectory under its name. Rejects with the server's sentence. */
 export async function addTrajectory(session: string, file: File): Promise<string> {
   const name = file.name.replace(/\.(tum|txt|csv)$/i, "").slice(0, 80) || "trajectory";
   const names = { session_id: session, name };

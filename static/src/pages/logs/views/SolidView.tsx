@@ -1,4 +1,4 @@
-/** The 3D view of a log: its map and its poses, or its point clouds, which are a session of their own. */
+/** The 3D view of a log: its map and poses, or its point clouds in a separate session. */
 
 import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useContext, useEffect, useMemo } from "preact/hooks";
@@ -17,8 +17,8 @@ import { Opening } from "../Opening";
 import { hasClouds, type Solid } from "./solid";
 
 /**
- * How many of a recording's clouds there are up to the time of another map of it, as if they came at even intervals:
- * when each came is not known here. All of them where one of the two has no times; null until both have told.
+ * The number of a recording's clouds until the time of another map of it, assuming even intervals, because their times
+ * are not known here. All of them if one of the two has no times; null until both are known.
  */
 export function cloudsAt(clouds: Store, main: Store): number | null {
   const [own, other] = [clouds.hello.value?.log, main.hello.value?.log];

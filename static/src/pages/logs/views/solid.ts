@@ -1,4 +1,4 @@
-/** What the 3D view of a log's stage shows, and how it is as a link has it. */
+/** The content of the 3D view on a log's stage, and its state in a link. */
 
 import { effect, type Signal, signal } from "@preact/signals";
 import type { Store } from "../../../store/store";
@@ -13,20 +13,20 @@ interface SceneOf {
   readonly store: Store;
 }
 
-/** Whether a recording is known to have point clouds, of which a map in 3D can be made. */
+/** Whether a recording is known to have point clouds, from which a 3D map can be made. */
 export const hasClouds = (contents: ContentsState): boolean =>
   contents.kind === "ready" && contents.contents.topics.some(({ type, messages }) => isCloud(type) && messages > 0);
 
 export class Solid {
-  /** Whether it shows the log's point clouds, which are a session of their own, and not the map. */
+  /** Whether it shows the log's point clouds, which have a separate session, instead of the map. */
   readonly clouds: Signal<boolean>;
-  /** Begin a session on the point clouds. */
+  /** Start a session on the point clouds. */
   readonly open: (ending: AbortSignal) => Promise<SessionAnswer>;
   readonly #map: SceneOf;
   #shown: SceneOf;
   #given: ShownScene | null;
 
-  /** `given` is what a link has. */
+  /** `given` is the state in a link. */
   constructor(map: SceneOf, given: ShownScene | null, open: Solid["open"]) {
     this.clouds = signal(given?.clouds ?? false);
     this.open = open;
@@ -35,12 +35,12 @@ export class Solid {
     if (given && !given.clouds) firstOf(map.store).camera = given.camera;
   }
 
-  /** The map is shown: the view begins as the link has it. The returned function ends waiting for the view. */
+  /** The map is shown: the view starts in the state of the link. The returned function stops waiting for the view. */
   beginMap(): () => void {
     return this.#given?.clouds === false ? this.#begin(this.#map) : () => undefined;
   }
 
-  /** The same of the point clouds; the returned function states that they are not shown any more. */
+  /** The same for the point clouds. The returned function reports that they are no longer shown. */
   beginClouds(clouds: SceneOf): () => void {
     this.#shown = clouds;
     if (this.#given?.clouds) firstOf(clouds.store).camera = this.#given.camera;
@@ -63,7 +63,7 @@ export class Solid {
     });
   }
 
-  /** What a link keeps of it; null where no 3D view was opened. */
+  /** The state for a link; null if no 3D view was opened. */
   async shown(): Promise<ShownScene | null> {
     const { session, store } = this.#shown;
     const now = store.part("scene").message.peek();

@@ -1,4 +1,4 @@
-/** The views that the stage of a log can show. A new view is one entry of `VIEWS`. */
+/** The views of a log's stage. A new view is one entry of `VIEWS`. */
 
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -36,7 +36,7 @@ interface LogOfView {
   readonly comparison: Comparison;
   readonly lines: LinesState;
   readonly fields: FieldsState;
-  /** Plot a number of a topic's messages, by its path. */
+  /** Plot a numeric field of a topic by its path. */
   readonly onPlot: (topic: string, field: string) => void;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
@@ -46,7 +46,7 @@ interface LogOfView {
 interface View {
   readonly kind: string;
   readonly title: string;
-  /** Of a picture, which fills its place and does not scroll. */
+  /** For a picture, which fills its view and does not scroll. */
   readonly fills?: boolean;
   readonly content: (log: LogOfView) => ComponentChildren;
 }
@@ -55,7 +55,7 @@ const MAP_VIEW = "map";
 export const SOLID_VIEW = "3d";
 export const PLOTS_VIEW = "plots";
 
-/** In the order in which they fill an arrangement; the map, which the viewer has, is the first of all. */
+/** In the order in which they fill a layout; the map, which belongs to the viewer, is first. */
 const VIEWS: readonly View[] = [
   { kind: "picture", title: "Pictures", content: (log) => <Pictures {...log} /> },
   { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
@@ -81,7 +81,7 @@ export function hasCamera(contents: ContentsAnswer | null): boolean | null {
   return contents.pictures.some((name) => !clouds.has(name));
 }
 
-/** Layouts of a log to begin with; those with pictures of a camera unless it certainly has none. */
+/** Initial layouts of a log; those with camera pictures unless it certainly has none. */
 export function presetsFor(camera: boolean | null): readonly Preset[] {
   const withCamera: readonly Preset[] = [["Map and camera", layoutOf("beside", [MAP_VIEW, "picture"])]];
   return [
@@ -112,7 +112,7 @@ export function viewsOf(log: LogOfView, map: () => ComponentChildren): readonly 
   ];
 }
 
-/** A view that is text or pictures, and scrolls by itself. */
+/** A view of text or pictures that scrolls by itself. */
 function Scrolled({ kind, children }: { readonly kind: string; readonly children: ComponentChildren }) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, which the keyboard can only do with the focus in it

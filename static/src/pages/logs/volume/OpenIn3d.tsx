@@ -7,7 +7,7 @@ import { hasClouds, type Solid } from "../views/solid";
 import { SOLID_VIEW } from "../views/views";
 
 interface OpenIn3dProps {
-  /** Of the log; null for a guest, to whom its own page does not open. */
+  /** Of the log; null for a guest, who cannot open its page. */
   readonly id: string | null;
   readonly contents: ContentsState;
   readonly solid: Solid;
@@ -15,8 +15,8 @@ interface OpenIn3dProps {
 }
 
 /**
- * Shows the point clouds of a log in the 3D view of the stage; as a link that is opened in a tab, with all that can be
- * set of them. Nothing for a log that has none.
+ * Shows the point clouds of a log in the 3D view of the stage, and links to their own page with all settings. Nothing
+ * for a log without clouds.
  */
 export function OpenIn3d({ id, contents, solid, layout }: OpenIn3dProps) {
   if (!hasClouds(contents)) return null;

@@ -14,7 +14,7 @@ import { type Axis, volumeGroups } from "./volumeGroups";
 
 const many = (n: number): string => n.toLocaleString("en");
 
-/** How large the map is, below its picture. */
+/** The size of the map, below its picture. */
 function VolumeFacts({ store }: { readonly store: Store }) {
   const now = store.part("volume").message.value;
   if (!now) return <p class="quiet">…</p>;
@@ -48,15 +48,15 @@ interface VolumeViewerProps {
   readonly session: string;
   readonly log: string | null;
   readonly onClose: () => void;
-  /** The session has ended on the server: begin another on the same file. */
+  /** The session has ended on the server: start another one on the same file. */
   readonly onGone: () => void;
   /** Open the session again, compared with another log; null for none. */
   readonly onCompare: (other: string | null) => void;
-  /** Open the file again with another axis up; null where it cannot be. */
+  /** Open the file again with another axis up; null if that is impossible. */
   readonly onUp: ((axis: Axis) => void) | null;
 }
 
-/** A map in 3D: of point clouds, depth images or an octree. */
+/** A 3D map from point clouds, depth images or an octree. */
 export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }: VolumeViewerProps) {
   const connection = useConnected(session);
   const { store, status, trouble } = connection;

@@ -1,4 +1,4 @@
-/** The groups of the dock beside a map in 3D. A new group is one entry of `GROUPS`. */
+/** The groups of the dock beside a 3D map. A new group is one entry of `GROUPS`. */
 
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -29,7 +29,7 @@ interface VolumeCompareProps {
   readonly onCompare: (other: string | null) => void;
 }
 
-/** The comparison with an earlier moment of the map, or with another file. */
+/** The comparison with an earlier state of the map, or with another file. */
 function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
   const others = useSignal<readonly LogRecord[]>([]);
   const chosen = useSignal("");
@@ -103,7 +103,7 @@ function Changes({ compared }: { readonly compared: NonNullable<VolumeMessage["c
   );
 }
 
-/** The surface by truncated signed distances: its parameters, and what one beam does with them. */
+/** The surface from truncated signed distances: its parameters, and the effect of one beam. */
 function SurfaceGroup({ store }: { readonly store: Store }) {
   const now = store.part("surface").message.value;
   if (!now) return null;
@@ -156,7 +156,7 @@ function SurfaceGroup({ store }: { readonly store: Store }) {
   );
 }
 
-/** The parameters of the map, and what it takes. */
+/** The parameters of the map, and its size. */
 function VolumeMapGroup({ store }: { readonly store: Store }) {
   const table = store.hello.value?.parameters.table ?? [];
   const notes = store.hello.value?.log?.notes ?? [];
@@ -297,7 +297,7 @@ interface UpChoiceProps {
   readonly onUp: (axis: Axis) => void;
 }
 
-/** The axis of the file that points up: depth cameras and scanners often have another one than z. */
+/** The axis of the file that points up: for depth cameras and scanners it often is not z. */
 function UpChoice({ store, onUp }: UpChoiceProps) {
   const now = store.part("volume").message.value;
   if (!now?.has_scans) return null;
@@ -314,21 +314,21 @@ function UpChoice({ store, onUp }: UpChoiceProps) {
   );
 }
 
-/** What the groups show. */
+/** What the groups display. */
 interface VolumeView {
   readonly store: Store;
   readonly session: string;
-  /** The id of the log that the map is of; null if it is not known. */
+  /** The id of the map's log; null if unknown. */
   readonly log: string | null;
   readonly onCompare: (other: string | null) => void;
-  /** Open the file again with another axis up; null where it cannot be. */
+  /** Open the file again with another axis up; null if that is impossible. */
   readonly onUp: ((axis: Axis) => void) | null;
 }
 
 interface Group {
   readonly id: string;
   readonly title: string;
-  /** The section that it shares with the groups beside it. */
+  /** The section that it shares with neighbouring groups. */
   readonly section?: string;
   readonly purpose: string;
   readonly content: (view: VolumeView) => ComponentChildren;

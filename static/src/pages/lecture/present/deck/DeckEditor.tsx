@@ -25,7 +25,7 @@ import "./deckEditor.css";
 
 type Planned = readonly [slide: LessonId | "cell-derivation" | "title", minutes: number];
 
-/** Filter, sensor model and traversal, then what goes wrong, and the use of the map. */
+/** Filter, sensor model and traversal, then the faults, and the use of the map. */
 const PLANNED: readonly Planned[] = [
   ["title", 1],
   ["grid", 2],
@@ -72,7 +72,7 @@ const KIND_NAMES = {
   log: "log",
 } as const;
 
-/** A row that is dragged, and the gap that it would go into: 0 above the first row. */
+/** A dragged row, and the gap where it would be inserted: 0 above the first row. */
 export interface Drag {
   readonly from: number;
   readonly gap: number;
@@ -81,7 +81,7 @@ export interface Drag {
 interface DeckRowProps {
   readonly slide: Slide;
   readonly index: number;
-  /** Whether each of the slides is shown. */
+  /** Whether each slide is shown. */
   readonly isShown: readonly boolean[];
   /** Whether it is the last row of the list. */
   readonly isLast: boolean;
@@ -89,7 +89,7 @@ interface DeckRowProps {
   /** The index of the slide whose form is open, −1 for none. */
   readonly edited: Signal<number>;
   readonly onMove: (to: number) => void;
-  /** The slide is another one now; null: it goes. */
+  /** Replaces the slide; null removes it. */
   readonly onChange: (slide: Slide | null) => void;
   readonly onLook: () => void;
 }
@@ -99,7 +99,7 @@ const rowsOf = (grip: HTMLElement): HTMLElement[] =>
 
 /** The part of the dialog that scrolls. */
 const BODY = ".deck-body";
-/** How close to its edge a dragged row makes it scroll, and by how much with each move. Pixels. */
+/** Distance from its edge at which a dragged row scrolls it, and the scroll per move. Pixels. */
 const EDGE = 36;
 const SCROLL = 14;
 
@@ -211,7 +211,7 @@ function DeckRow({ slide, index, isShown, isLast, drag, edited, onMove, onChange
   );
 }
 
-/** Change the slides; the present slide, at `index` of them, stays, where it still is there. */
+/** Change the slides. The present slide, at `index`, stays if it still exists. */
 async function change(
   slides: readonly Slide[],
   index = slides.indexOf(deck.peek().slides[place.peek().index] as Slide),
@@ -220,7 +220,7 @@ async function change(
   await changeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
 }
 
-/** How long the pointer is on a row before its picture is shown, ms, as it passes over many. */
+/** Time that the pointer rests on a row before its picture is shown, ms, because it passes over many. */
 const REST_MS = 150;
 
 /** The list of slides, and a picture of the selected one. */
@@ -235,7 +235,7 @@ function Slides() {
   const onlyShown = useSignal(false);
   useEffect(() => {
     const frame = requestAnimationFrame(() => {
-      // Once the dialog is open: rows have no place before.
+      // When the dialog is open: rows have no positions before.
       list.current?.children[place.peek().index]?.scrollIntoView({ block: "center" });
     });
     return () => {
@@ -353,7 +353,7 @@ async function copyLink(of: Deck): Promise<void> {
   }
 }
 
-/** The dialog in which the lecturer arranges the slides, adds own ones, and keeps the deck as a file or a link. */
+/** The dialog in which the lecturer arranges slides, adds new ones, and saves the deck as a file or a link. */
 export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const body = useRef<HTMLDivElement>(null);

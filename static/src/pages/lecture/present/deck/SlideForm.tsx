@@ -10,24 +10,24 @@ const ADDRESSES = {
   log: "A log from the list, the address of its page, or its shared link",
 } as const;
 
-/** The newest logs of this visitor; none where the server does not answer: an address can still be given. */
+/** The newest logs of this visitor; none if the server does not answer, when an address can still be entered. */
 const namedLogs = (): Promise<readonly LogAnswer[]> =>
   ask("GET /api/logs", {}).then(
     ({ logs }) => logs,
     () => [],
   );
 
-/** A slide of the lecturer's own. */
+/** A slide added by the lecturer. */
 export type OwnSlide = Exclude<Slide, { readonly section: string }>;
 
 interface SlideFormProps {
-  /** What the form begins with; nothing for a new slide. */
+  /** Initial content of the form; null for a new slide. */
   readonly slide?: OwnSlide;
   readonly button: string;
   readonly onSave: (slide: OwnSlide) => void;
 }
 
-/** The form for a slide of the lecturer's own. */
+/** The form for a slide added by the lecturer. */
 export function SlideForm({ slide, button, onSave }: SlideFormProps) {
   const kind = useSignal<OwnSlide["kind"]>(slide?.kind ?? "text");
   const problem = useSignal("");

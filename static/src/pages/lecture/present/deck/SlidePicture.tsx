@@ -3,7 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { useWidth } from "../../../../ui/browser/useSize";
 import { SLIDE } from "../scale";
 
-/** A slide as the audience sees it, without its controls: laid out at full size, and scaled down as a whole. */
+/** A slide as the audience sees it, without its controls, laid out at full size and scaled down. */
 export function SlidePicture({ hash, title }: { readonly hash: string; readonly title: string }) {
   const box = useRef<HTMLDivElement>(null);
   const frame = useRef<HTMLIFrameElement>(null);

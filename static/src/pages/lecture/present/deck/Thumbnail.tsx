@@ -8,32 +8,34 @@ import { deck, hashOf, LAST_STEP } from "../state";
 import { type Slide, titleOf } from "./deck";
 import { SlidePicture } from "./SlidePicture";
 
-/** Width of a picture, pixels: that of the large one beside the list, on a screen with two pixels for each of CSS. */
+/** Width of a picture in pixels: that of the large one beside the list on a screen with a pixel ratio of 2. */
 const WIDTH = 608;
-/** How long, and for how many frames of the browser, nothing on the slide changes before it is drawn. */
+/** A slide is drawn once nothing on it has changed for this time and this number of frames. */
 const STILL_MS = 120;
 const STILL_FRAMES = 2;
-/** How long that is awaited. */
+/** Longest wait for that. */
 const LONGEST_MS = 4000;
-/** How many times that is awaited: on a slow machine the code of a figure may take longer. */
+/** Number of waits: on a slow machine, the code of a figure may take longer. */
 const TRIES = 5;
 
-/** How often the picture of a slide was awaited in vain, by the slide's key. */
+/** Number of waits for the picture of a slide that ended without it, by the slide's key. */
 const tries = signal<ReadonlyMap<string, number>>(new Map());
 const triesOf = (key: string): number => tries.value.get(key) ?? 0;
 
-/** The address of each picture by the slide's key; empty where there is none. */
+/** The address of each picture by the slide's key; empty if it has none. */
 const thumbnails = signal<ReadonlyMap<string, string>>(new Map());
 
-/** What the picture of a slide depends on. */
+/** The input on which the picture of a slide depends. */
 const thumbnailKey = ({ hidden, notes, ...shown }: Slide): string => JSON.stringify([shown, isDark.value]);
 
-/** Resolves when the slide is there and has been still for a while; with false if it was not after LONGEST_MS. */
+/**
+ * Resolves when the slide is rendered and has not changed for a while; with false if that took longer than LONGEST_MS.
+ */
 function still(page: Document): Promise<boolean> {
   return new Promise((resolve) => {
     let changedAt = performance.now();
     let frames = 0;
-    // A figure learns its size in one frame and is drawn in the next: on a busy machine each takes a second.
+    // A figure gets its size in one frame and is drawn in the next. On a busy machine each takes a second.
     const isReady = (): boolean =>
       frames > STILL_FRAMES && page.querySelector(".on-slide, .own-slide") !== null && !isBusy(page);
     const finish = (isStill: boolean): void => {
@@ -57,13 +59,16 @@ function still(page: Document): Promise<boolean> {
   });
 }
 
-/** Whether code of a figure is still fetched. A derivation's slide does not show its section's figure. */
+/** Whether code of a figure is still loading. A derivation's slide does not show its section's figure. */
 const isBusy = (page: Document): boolean =>
   [...page.querySelectorAll(".on-slide :is([aria-busy=true], .figure-awaited)")].some((element) =>
     element.checkVisibility(),
   );
 
-/** Draw the slide that a window of this origin shows, and keep the picture under its key, unless it is tried again. */
+/**
+ * Draw the slide that a window of this origin shows, and store the picture under its key, unless it will be tried
+ * again.
+ */
 async function drawThumbnail(key: string, from: Window): Promise<void> {
   let picture = "";
   try {
@@ -79,19 +84,19 @@ async function drawThumbnail(key: string, from: Window): Promise<void> {
       if (triesOf(key) < TRIES) return;
     }
   } catch {
-    // This browser does not draw pages: the row stands without a picture.
+    // This browser cannot draw pages: the row has no picture.
   }
   thumbnails.value = new Map(thumbnails.peek()).set(key, picture);
 }
 
-/** Time without input before the next picture is made. */
+/** Time without input before the next picture is drawn. */
 const IDLE_MS = 50;
 
 /** The key of the selected slide, whose large picture is next to the list. */
 const atHand = signal<string | null>(null);
-/** Keys of the slides whose rows are in view and have no picture yet. */
+/** Keys of the slides whose rows are in view without a picture. */
 const wanted = signal<ReadonlySet<string>>(new Set());
-/** The selected slide comes first, then those in view from the top; those that were not ready in time come last. */
+/** The selected slide comes first, then those in view from the top, and last those that were not ready in time. */
 const next = computed(() => {
   const keys = [...(atHand.value === null ? [] : [atHand.value]), ...deck.value.slides.map(thumbnailKey)];
   const missing = keys.filter((key) => !thumbnails.value.has(key) && (key === atHand.value || wanted.value.has(key)));
@@ -106,7 +111,7 @@ function want(key: string, isWanted: boolean): void {
   wanted.value = keys;
 }
 
-/** The picture of a slide in its row, made when the row is first in view. */
+/** The picture of a slide in its row, drawn when the row is first in view. */
 export function Thumbnail({ slide }: { readonly slide: Slide }) {
   const box = useRef<HTMLSpanElement>(null);
   const key = thumbnailKey(slide);
@@ -127,7 +132,7 @@ export function Thumbnail({ slide }: { readonly slide: Slide }) {
   );
 }
 
-/** The large picture of the selected slide; where the browser draws no pages, a page that shows the slide. */
+/** The large picture of the selected slide. If the browser cannot draw pages, it is a page that shows the slide. */
 export function LargePicture({ slide, index }: { readonly slide: Slide; readonly index: number }) {
   const key = thumbnailKey(slide);
   const address = thumbnails.value.get(key);
@@ -146,7 +151,7 @@ export function LargePicture({ slide, index }: { readonly slide: Slide; readonly
   );
 }
 
-/** Show a slide in the frame, which is loaded with the first one. */
+/** Show a slide in the frame, which loads with the first one. */
 async function show(frame: HTMLIFrameElement, key: string): Promise<void> {
   const index = deck.peek().slides.findIndex((slide) => thumbnailKey(slide) === key);
   const hash = hashOf({ index, step: LAST_STEP });
@@ -161,7 +166,7 @@ async function show(frame: HTMLIFrameElement, key: string): Promise<void> {
   await isShown;
 }
 
-/** The page in which the slides are laid out for their pictures, out of sight. */
+/** The page in which slides are laid out for their pictures, out of view. */
 export function ThumbnailMaker() {
   const frame = useRef<HTMLIFrameElement>(null);
   const isDrawing = useSignal(false);

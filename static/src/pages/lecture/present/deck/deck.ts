@@ -1,14 +1,14 @@
-/** The deck of slides: what the lecture has, in the lecturer's order, with slides of the lecturer's own. */
+/** The deck of slides: those of the lecture in the lecturer's order, and slides added by the lecturer. */
 
 import { unpack } from "../../../packed";
 import { LESSONS, type LessonId, sectionOf } from "../../lessons";
 
-/** What every slide may have. */
+/** Properties of every slide. */
 interface Common {
   readonly hidden?: boolean;
-  /** Shown only in the speaker's window; for a section instead of the notes that it comes with. */
+  /** Shown only in the speaker's window; for a section they replace its default notes. */
   readonly notes?: string;
-  /** How long it is planned to take; the speaker's window adds them up. */
+  /** Planned duration; the speaker's window sums them. */
   readonly minutes?: number;
 }
 
@@ -24,20 +24,20 @@ interface DerivationSlide extends Common {
   readonly section: LessonId;
 }
 
-/** The beginning: the map of the lecture fills in. */
+/** The start: the map of the lecture fills in. */
 interface TitleSlide extends Common {
   readonly kind: "title";
   readonly title: string;
 }
 
-/** Text of the lecturer's own; each paragraph is a step. */
+/** Text written by the lecturer; each paragraph is a step. */
 interface TextSlide extends Common {
   readonly kind: "text";
   readonly title: string;
   readonly text: string;
 }
 
-/** A page of this service within the slide: the lab in some state, or the view of a log. */
+/** A page of this service inside the slide: the lab in some state, or the view of a log. */
 export interface PageSlide extends Common {
   readonly kind: "lab" | "log";
   readonly title: string;
@@ -58,7 +58,7 @@ const DERIVATIONS: readonly LessonId[] = ["cell"];
 const LAB_BEFORE: LessonId = "next";
 const LAB: Slide = { kind: "lab", title: "Which setting changes the map the most?", address: "/lab.html" };
 
-/** The lecture as it stands. */
+/** The default deck of the lecture. */
 export const WHOLE_LECTURE: Deck = {
   title: "Occupancy grid mapping",
   slides: [
@@ -71,7 +71,7 @@ export const WHOLE_LECTURE: Deck = {
   ],
 };
 
-/** The name of each slide in an address: that of its section, or what it is with a number. */
+/** The name of each slide in an address: that of its section, or its kind with a number. */
 export function slideIds(deck: Deck): readonly string[] {
   const used = new Map<string, number>();
   return deck.slides.map((slide) => {
@@ -104,14 +104,14 @@ const MOST_MINUTES = 600;
 const LONGEST_FILE = 1_000_000;
 const KINDS = ["title", "section", "derivation", "text", "lab", "log"] as const;
 
-/** What of a deck is kept; {@link readDeck} reads it. */
+/** The properties of a deck that are stored; {@link readDeck} reads them. */
 export const writtenDeck = (deck: Deck): Readonly<Record<string, unknown>> => ({
   [FORMAT]: VERSION,
   title: deck.title,
   slides: deck.slides,
 });
 
-/** What is wrong with a deck, in one sentence. */
+/** The error of a deck, in one sentence. */
 export class DeckError extends Error {}
 
 type Fields = Readonly<Record<string, unknown>>;
@@ -134,12 +134,12 @@ function minutesField(value: unknown, where: string): number {
   return value;
 }
 
-/** The pages that a slide can hold. */
+/** Pages that a slide can contain. */
 const PAGES = { lab: /^\/lab\.html$/, log: /^\/(logs\.html|shared\/[\w-]+\/?)$/ } as const;
 
 /**
  * The path, query and fragment of an address of this service. Throws a {@link DeckError} for another host, another
- * page, or what is no address.
+ * page, or text that is not an address.
  */
 export function pageAddress(kind: "lab" | "log", text: string, where: string, origin = location.origin): string {
   let url: URL;
@@ -186,7 +186,7 @@ function readSlide(value: unknown, index: number): Slide {
   return { ...common, kind: page, title, address };
 }
 
-/** Read a deck as {@link writtenDeck} writes it. Throws a {@link DeckError} that says what is wrong and where. */
+/** Read a deck as written by {@link writtenDeck}. Throws a {@link DeckError} that names the error and its place. */
 export function readDeck(value: unknown): Deck {
   if (!isObject(value) || !(FORMAT in value))
     throw new DeckError(`This is not a deck of Gridbloom: “${FORMAT}” is missing.`);
@@ -214,7 +214,7 @@ export function readDeckFile(text: string): Deck {
   return readDeck(value);
 }
 
-/** Read the letters of a deck's link. Rejects with a {@link DeckError}. */
+/** Read the characters of a deck's link. Rejects with a {@link DeckError}. */
 export async function readDeckLink(letters: string): Promise<Deck> {
   let value: unknown;
   try {

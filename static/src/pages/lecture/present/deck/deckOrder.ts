@@ -1,4 +1,4 @@
-/** Moving one of a list of slides: by its place, and by dragging its row. */
+/** Moving a slide within the list: by its position, and by dragging its row. */
 
 import { LECTURE_PARTS, type Part } from "../../lessons";
 import { type Slide, WHOLE_LECTURE } from "./deck";
@@ -11,7 +11,7 @@ export const hasPart = (slides: readonly Slide[], part: Part): boolean => slides
 
 const [LECTURE_TITLE] = WHOLE_LECTURE.slides.filter(({ kind }) => kind === "title");
 
-/** The title slide of the lecture with the name of a part, or without one; a lecturer's own title stays as it is. */
+/** The title slide of the lecture with the name of a part, or without one. A title by the lecturer stays unchanged. */
 function named(slide: Slide, part: Part | null): Slide {
   if (slide.kind !== "title" || LECTURE_TITLE?.kind !== "title") return slide;
   const titled = (part: Part) => `${LECTURE_TITLE.title}: ${part.title}`;
@@ -19,7 +19,7 @@ function named(slide: Slide, part: Part | null): Slide {
   return isOwn ? slide : { ...slide, title: part ? titled(part) : LECTURE_TITLE.title };
 }
 
-/** The slides with all but those of one part hidden; its title slide has the part's name. */
+/** The slides with all hidden but those of one part; its title slide has the part's name. */
 export const onlyPart = (slides: readonly Slide[], part: Part): readonly Slide[] =>
   slides.map((slide) =>
     slide.kind === "title" || isAbout(part, slide) ? shown(named(slide, part)) : { ...slide, hidden: true },
@@ -29,7 +29,7 @@ export const onlyPart = (slides: readonly Slide[], part: Part): readonly Slide[]
 export const allShown = (slides: readonly Slide[]): readonly Slide[] =>
   slides.map((slide) => shown(named(slide, null)));
 
-/** The list with the entry at `from` at the index `to` of the result. */
+/** The list with the entry at `from` moved to the index `to` of the result. */
 export function reordered<T>(list: readonly T[], from: number, to: number): readonly T[] {
   const next = [...list];
   const [moved] = next.splice(from, 1);
@@ -38,20 +38,20 @@ export function reordered<T>(list: readonly T[], from: number, to: number): read
 }
 
 /**
- * The gap into which a row dropped at a height goes, by the middles of the rows: 0 above the first one, their number
- * below the last one. Rows that are not displayed have no height and take nothing. Pixels.
+ * The gap for a row dropped at a height, by the middles of the rows: 0 above the first one, their number below the last
+ * one. Rows that are not displayed have no height and are skipped. Pixels.
  */
 export function gapAt(y: number, rows: readonly { readonly top: number; readonly bottom: number }[]): number {
   const below = rows.findIndex(({ top, bottom }) => bottom > top && (top + bottom) / 2 >= y);
   return below < 0 ? rows.length : below;
 }
 
-/** The index that a row at `from` has after it was dropped into a gap. */
+/** The index of a row at `from` after it is dropped into a gap. */
 export const indexAfter = (from: number, gap: number): number => (gap > from ? gap - 1 : gap);
 
 /**
- * The index that a key of the grip moves a row to, null for other keys. `isShown` says of each slide whether it is
- * shown: a slide that is goes past those that are not with one key, or its move would change nothing.
+ * The index to which a key on the grip moves a row; null for other keys. `isShown` has an entry for each slide: one key
+ * press moves a shown slide past all neighbouring hidden ones, because otherwise the visible order would not change.
  */
 export function keyedIndex(key: string, from: number, isShown: readonly boolean[]): number | null {
   const last = isShown.length - 1;
@@ -63,11 +63,11 @@ export function keyedIndex(key: string, from: number, isShown: readonly boolean[
   return to < 0 || to > last ? from : to;
 }
 
-/** The number of a slide that is shown among those that are, from 1, as the bar above the slides has it. */
+/** The number of a shown slide among the shown slides, from 1, as in the bar above the slides. */
 export const numberOf = (isShown: readonly boolean[], index: number): number =>
   isShown.slice(0, index + 1).filter(Boolean).length;
 
-/** The slides with all but some hidden, with which a short deck begins. */
+/** The slides with some shown and all others hidden, as the start of a short deck. */
 export function only<T extends { readonly hidden?: boolean }>(
   slides: readonly T[],
   isWanted: (slide: T, index: number) => boolean,
@@ -75,7 +75,7 @@ export function only<T extends { readonly hidden?: boolean }>(
   return slides.map((slide, i) => (isWanted(slide, i) ? shown(slide) : { ...slide, hidden: true }));
 }
 
-/** A slide that is not hidden any more. */
+/** A slide that is no longer hidden. */
 export function shown<T extends { readonly hidden?: boolean }>(slide: T): T {
   const { hidden, ...rest } = slide;
   return (hidden ? rest : slide) as T;

@@ -1,12 +1,13 @@
 /**
- * The decks that this browser keeps. The address of the slides only names one of them: who reads the address on the
- * screen, or is sent a copy of it, learns neither the notes nor the hidden slides nor those to come.
+ * The decks that this browser stores. The address of the slides contains only the name of a deck, so that somebody who
+ * reads the address on the screen, or gets a copy of it, sees neither the notes nor the hidden slides nor those to
+ * come.
  */
 
 import { type Deck, DeckError, readDeckFile, writtenDeck } from "./deck";
 
 const PREFIX = "gridbloom.deck.";
-/** How many are kept; those that were not opened or changed for the longest time are removed. */
+/** Maximum number of stored decks. Those not opened or changed for the longest time are removed. */
 const MOST = 30;
 
 interface Kept {
@@ -27,8 +28,8 @@ function allKept(): readonly Kept[] {
 }
 
 /**
- * Keep a deck, in the place of the one called `name`, and return its name. Without one it gets a new name, or that
- * of the same deck. Returns null where the browser keeps nothing.
+ * Store a deck under `name`, and return its name. Without `name` it gets a new one, or that of an equal deck. Returns
+ * null if the browser cannot store it.
  */
 export function keepDeck(deck: Deck, name?: string): string | null {
   const text = JSON.stringify(writtenDeck(deck));
