@@ -1,4 +1,4 @@
-"""The commands and the messages of a costmap, as the stream has them."""
+"""The stream's commands and messages of a costmap."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The score of the poses around a loop of a pose graph: why the loop is where it is, and how certain that is."""
+"""The score of the poses around a loop of a pose graph, which shows how certain the loop is."""
 
 from __future__ import annotations
 
