@@ -158,14 +158,14 @@ class Offers:
 class Part:
     """A capability of a session. Each method has a default, and runs on a worker thread unless stated otherwise."""
 
-    commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` takes
+    commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` accepts
     recorded: ClassVar[tuple[type[Struct], ...]] = ()  #: those of them that :meth:`history` may return
-    subject: ClassVar[str] = "map"  #: what it computes, as in the message ``working``
-    #: Whether it has something to show or to follow. While it is off, only commands, :meth:`messages`, :meth:`history`
-    #: and :meth:`forget` reach it. Many are off most of the time.
+    subject: ClassVar[str] = "map"  #: what it computes, as in the ``working`` message
+    #: Whether it has anything to show or to follow. A part that is off, as many are most of the time, only receives
+    #: commands and calls of :meth:`messages`, :meth:`history` and :meth:`forget`.
     is_on: bool = True
-    followed: Costing | None = None  #: a part whose results it uses: while that is on, it is asked as if it were on
-    tables: Mapping[str, list[Parameter]] = {}  #: rows of its parameters, by the type of the command for them
+    followed: Costing | None = None  #: a part whose results it uses; while that part is on, this one is called too
+    tables: Mapping[str, list[Parameter]] = {}  #: rows of its parameters, by the type of the command that sets them
 
     @property
     def layers(self) -> Sequence[Layer]:
@@ -229,7 +229,7 @@ class Part:
         return seconds
 
     def changed(self, result: TickResult) -> None:
-        """Follow what changed in the source in this tick: ``result`` has the cells of its map. Update the layers."""
+        """Follow the source's changes in this tick (``result`` has the changed map cells), and update the layers."""
 
     def forget(self) -> None:
         """Read again what belongs to trajectories of the log: one of them was replaced."""

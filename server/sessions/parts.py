@@ -81,9 +81,10 @@ class Recording(ABC):
 
     @abstractmethod
     def map_series(self) -> Series | float:
-        """Return what the scans do to the map with the present parameters and trajectory.
+        """Return the effect of the scans on the map with the current parameters and trajectory.
 
-        While it is computed, the share that is done, 0 to 1; the computation ends when nobody asks for it. Raises as
+        While it is being computed, return the completed share, 0 to 1. The computation ends if it is no longer
+        requested. Raises like
         :func:`mapper.replay.map_series.map_series`.
         """
 
@@ -112,7 +113,10 @@ class Viewed(ABC):
 
     @abstractmethod
     def view(self) -> LogView:
-        """Return the present view. ``trajectory`` is the topic for recorded costmaps, ``index`` the number of one."""
+        """Return the current view.
+
+        For recorded costmaps, ``trajectory`` is the topic and ``index`` the number of the costmap.
+        """
 
 
 class Comparable(ABC):
@@ -218,7 +222,7 @@ class Localized(ABC):
 class Volumetric(ABC):
     """The map in 3D of a session."""
 
-    is_on: bool  #: whether there is one now
+    is_on: bool  #: whether there is one
 
     @property
     @abstractmethod
@@ -238,7 +242,7 @@ class Volumetric(ABC):
 
     @abstractmethod
     def clipped(self, handle: str, position: Point) -> Struct | None:
-        """Return the command that moves a face of the clip box with its handle to ``position``; None for no handle."""
+        """Return the command that moves a face of the clip box by its handle to ``position``; None for another name."""
 
     @abstractmethod
     def octree_bytes(self, kind: str) -> bytes:
@@ -333,7 +337,7 @@ class LayerCosts(Protocol):
 class Costs(Protocol):
     """The costs of a costmap, on which a path is planned and followed."""
 
-    revision: int  #: another number when costs or parameters have changed
+    revision: int  #: changes with the costs and the parameters
 
     @property
     def geometry(self) -> GridGeometry:
@@ -366,7 +370,7 @@ class Costs(Protocol):
 class Costing(Protocol):
     """A part with costs."""
 
-    is_on: bool  #: whether there are some
+    is_on: bool  #: whether there are any
 
     @property
     def costmap(self) -> Costs | None:

@@ -76,7 +76,7 @@ class CheckpointPrefetching:
             began = self._clock()
             if not any(session.is_busy for session in self._sessions()):
                 prefetcher = prefetcher or session.prefetcher()
-                # Whether there is room is asked last: the answer takes a look at each session of the service.
+                # Checking for room comes last because it goes through all sessions of the service.
                 if prefetcher is None or not self._is_room(session) or not await self._step(session, prefetcher):
                     return
             await asyncio.sleep(max(PAUSE_S, self._clock() - began))

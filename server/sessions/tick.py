@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 
 MAX_QUEUED = 256  #: most commands in the queue of a session,
-MAX_QUEUED_OF_FOLLOWERS = 64  #: and of a class's followers besides
-#: After this time without a finished map, commands no longer cancel the computation: a map must be shown.
+MAX_QUEUED_OF_FOLLOWERS = 64  #: and additionally of a class's followers
+#: After this time without a finished map, commands no longer cancel the computation, so that a map is shown.
 MAX_CANCELLING_S = 1.5
 
 
@@ -42,7 +42,7 @@ class CommandQueue:
 
     def __init__(self) -> None:
         self._waiting: list[QueuedCommand] = []
-        self._of_followers = 0  #: how many of them a class's followers sent
+        self._of_followers = 0  #: number of them sent by a class's followers
         self._added = 0
         self._is_closed = False
         self._shortened = asyncio.Event()
@@ -53,7 +53,8 @@ class CommandQueue:
     def add(self, command: Struct, client: Client | None = None) -> None:
         """Add a command of ``client``. Raises :class:`ProtocolError` if it has too many in the queue."""
         follows = client is not None and client.follows
-        # Those of a class's followers are counted apart: their questions must not have the lecturer's commands refused.
+        # A class's followers are counted separately, so that their questions never cause the lecturer's commands to be
+        # refused.
         queued = self._of_followers if follows else len(self._waiting) - self._of_followers
         if queued >= (MAX_QUEUED_OF_FOLLOWERS if follows else MAX_QUEUED):
             raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
@@ -93,10 +94,10 @@ class ReplacingRequests:
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
         self._is_cancellable = False  #: whether the current computation may be cancelled
-        self._is_outdatable = False  #: and also by a newer command that replaces the map
-        self._is_cancelled = False  #: whether a client asked to end it
-        self._queued = self._begun = 0  #: how many were queued, and how many of them were started
-        self._since: float | None = None  #: arrival of the first of those without a finished map
+        self._is_outdatable = False  #: whether a newer command that replaces the map may cancel it too
+        self._is_cancelled = False  #: whether a client asked to cancel it
+        self._queued = self._begun = 0  #: number of queued commands, and of those that were started
+        self._since: float | None = None  #: arrival of the first one without a finished map
 
     def add(self) -> None:
         """Note that one was queued."""
@@ -146,22 +147,22 @@ class ReplacingRequests:
 class TickResult:
     """Collected on a worker thread, sent on the event loop."""
 
-    client: Client | None = None  #: the sender of the command that is being carried out
+    client: Client | None = None  #: the sender of the current command
     rest: list[QueuedCommand] = field(default_factory=list)  #: commands left for the next tick
     unfinished: Struct | None = None  #: the rest of a long command, for the next tick
     changed: bool = False  #: whether there is a new frame to publish
-    is_new_hello: bool = False  #: whether ``hello`` says something else than before
+    is_new_hello: bool = False  #: whether ``hello`` has changed
     new_grid: bool = False  #: whether the whole layer of the map has to be updated
     box: CellBox | None = None  #: otherwise: the cells of the map that may have changed
-    #: Those that may have changed in it, of each update ``row · cols + col``; None: any of the box.
+    #: Cells that may have changed in the box, for each update ``row · cols + col``; None: any cell of the box.
     cells: list[NDArray[np.uint32]] | None = field(default_factory=list)
-    cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick
+    cancelled: bool = False  #: whether a newer command cancelled the map, which the next tick computes
     remade_ms: float | None = None  #: duration of recomputing the whole map
-    slots: dict[str, Struct] = field(default_factory=dict)  #: newest message of each type, to all clients
-    notices: list[NoticeMessage | ErrorMessage] = field(default_factory=list)  #: each sent to all clients
+    slots: dict[str, Struct] = field(default_factory=dict)  #: newest message of each type, for all clients
+    notices: list[NoticeMessage | ErrorMessage] = field(default_factory=list)  #: each is sent to all clients
     answers: list[tuple[Client | None, Struct]] = field(default_factory=list)
     resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients that get a slot's message again
-    questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end
+    questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the end of the tick
 
     def add(self, change: Change) -> None:
         """Add what an update of the map changed."""
