@@ -193,8 +193,7 @@ class Client:
 
         Clouds are shown as a 3D map, map files in an editor, and recorded costmaps as such. ``topic`` names the sensor,
         or several separated by " + "; ``cut`` has the options for cutting scans out of clouds and depth images, values
-        of
-        :data:`mapper.sensors.planar.options.PARAMETERS`.
+        of :data:`mapper.sensors.planar.options.PARAMETERS`.
         """
         # A log of clouds has no planar scans.
         of_kind = {"kind": "volume"} if log.record["clouds"] else {"kind": "log", "trajectory": trajectory}

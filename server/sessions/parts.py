@@ -84,8 +84,7 @@ class Recording(ABC):
         """Return the effect of the scans on the map with the current parameters and trajectory.
 
         While it is being computed, return the completed share, 0 to 1. The computation ends if it is no longer
-        requested. Raises like
-        :func:`mapper.replay.map_series.map_series`.
+        requested. Raises like :func:`mapper.replay.map_series.map_series`.
         """
 
     @property

@@ -35,8 +35,7 @@ async def volume_plan(
     """Return the plan of a session on the log with the id ``log``; the other arguments are those of the request.
 
     If ``up`` is None, it is the axis that the poses of depth images define, or z. Raises like :meth:`Library.volume`,
-    and
-    :class:`ConfigError` for an octree with another axis.
+    and :class:`ConfigError` for an octree with another axis.
     """
     library, making, visitor = resources.library, resources.making, resources.visitor
     second: VolumeSource | None = None

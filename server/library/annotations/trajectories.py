@@ -158,8 +158,7 @@ class Trajectories:
 
         Returns its record, and notes from reading it. Raises like :func:`mapper.io.trajectories.read_tum`,
         :func:`mapper.io.trajectories.poses_at_all_scans` and :meth:`check`, :class:`LimitError` if there is no room,
-        and
-        :class:`StorageError`; then nothing has changed.
+        and :class:`StorageError`; then nothing has changed.
         """
         beside = sum(map(len, new.files.values()))
         if self._room() < len(new.text) + beside:

@@ -131,8 +131,7 @@ class RelationScores:
         """Return the mean errors of a trajectory over the relations in ``text``, a file called ``name``.
 
         ``benchmark`` is the log of the benchmark identified by the name, and ``published`` are the results on it.
-        Raises
-        :class:`MapperError` for a file without relations, or one that belongs to another log.
+        Raises :class:`MapperError` for a file without relations, or one that belongs to another log.
         """
         poses = log.trajectory(trajectory).poses
         relations = self._folder / f"relations-{secrets.token_hex(8)}"

@@ -86,8 +86,7 @@ class Cluster:
         """Have a log mapped, and its files written here; ``tell`` is called with the completed share.
 
         The future raises the job's exceptions, :class:`BrokenExecutor` if its process was killed,
-        :class:`WorkerLostError` and
-        :class:`ClusterLostError`. Cancelling it ends the job.
+        :class:`WorkerLostError` and :class:`ClusterLostError`. Cancelling it ends the job.
         """
         return self._begin(self._mapped(job, tell))
 

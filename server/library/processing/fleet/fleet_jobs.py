@@ -169,8 +169,7 @@ class FleetJobs:
         """Queue the logs that have no result and are not under way; ``again``: also those that failed.
 
         With a ``request``, logs whose result or error is from another request are queued too. Returns their number.
-        Raises
-        :class:`LimitError` for too many, and :class:`StorageError`.
+        Raises :class:`LimitError` for too many, and :class:`StorageError`.
         """
         known = self._queue.records
         jobs: list[Job] = []
