@@ -67,7 +67,7 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class Security:
-    """The outermost middleware."""
+    """Middleware inside of :class:`server.http.errors.Ending`; all others are inside of it."""
 
     def __init__(
         self,

@@ -1,6 +1,6 @@
 """All live sessions of the service, within budgets of number, visitor, memory and idle time.
 
-The registry does not depend on the kind of session: it makes models by plans, and reads their footprint.
+The registry does not depend on the kind of session: it creates models from plans, and reads their memory use.
 """
 
 from __future__ import annotations

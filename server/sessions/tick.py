@@ -1,4 +1,4 @@
-"""The commands that wait for a session's next tick, which of them replace its map, and the result of a tick."""
+"""The commands that wait for a session's next tick, those that replace its map, and the result of a tick."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class QueuedCommand:
 
 
 class CommandQueue:
-    """The commands that are not carried out yet, first come, first served. Used from the event loop only."""
+    """The pending commands, first come, first served. Used from the event loop only."""
 
     def __init__(self) -> None:
         self._waiting: list[QueuedCommand] = []
@@ -63,17 +63,17 @@ class CommandQueue:
         self._added += 1
 
     def waiting(self) -> list[QueuedCommand]:
-        """Return the commands that wait, oldest first."""
+        """Return the pending commands, oldest first."""
         return [*self._waiting]
 
     def finish(self, n: int, rest: Sequence[QueuedCommand]) -> None:
-        """Note that the first ``n`` commands were carried out, except for ``rest``."""
+        """Record that the first ``n`` commands were carried out, except for ``rest``."""
         self._waiting[:n] = rest
         self._of_followers = sum(queued.client is not None and queued.client.follows for queued in self._waiting)
         self._notify()
 
     def close(self) -> None:
-        """Note that no command will be carried out any more."""
+        """Record that no more commands will be carried out."""
         self._is_closed = True
         self._notify()
 
@@ -82,14 +82,14 @@ class CommandQueue:
         self._shortened = asyncio.Event()
 
     async def carried_out(self) -> None:
-        """Wait until the commands that are in the queue now have been carried out, or the queue is closed."""
+        """Wait until the currently queued commands have been carried out, or the queue is closed."""
         last = self._added
         while self._added - len(self._waiting) < last and not self._is_closed:
             await self._shortened.wait()
 
 
 class ReplacingRequests:
-    """The commands that replace the map: queued, begun, finished. Fields are set on the event loop, read anywhere."""
+    """The state of commands that replace the map. Fields are set on the event loop and read on any thread."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
@@ -100,24 +100,24 @@ class ReplacingRequests:
         self._since: float | None = None  #: arrival of the first one without a finished map
 
     def add(self) -> None:
-        """Note that one was queued."""
+        """Record that one was queued."""
         self._queued += 1
         self._since = self._clock() if self._since is None else self._since
 
     def cancel(self) -> None:
-        """Note that a client asked to end the current computation."""
+        """Record that a client asked to cancel the current computation."""
         self._is_cancelled = True
 
     def begin_tick(self) -> None:
-        """Note that a computation begins of all that were queued."""
+        """Record the start of a computation for all queued commands."""
         self._begun = self._queued
 
     def accept_cancel(self) -> None:
-        """Note that a ``cancel`` that came before concerns what was computed before."""
+        """Ignore an earlier ``cancel``, which concerned earlier computations."""
         self._is_cancelled = False
 
     def end_tick(self, *, was_cancelled: bool) -> None:
-        """Note that the computation has ended."""
+        """Record that the computation has ended."""
         if self._queued == self._begun:
             self._since = None
         elif not was_cancelled:
@@ -125,7 +125,7 @@ class ReplacingRequests:
 
     @contextmanager
     def cancellable(self, *, by_newer: bool = True) -> Iterator[None]:
-        """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
+        """Return a context in which ``cancel`` or a newer command cancels the computation (worker thread)."""
         self._is_cancellable, self._is_outdatable = True, by_newer
         try:
             yield
@@ -165,7 +165,7 @@ class TickResult:
     questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the end of the tick
 
     def add(self, change: Change) -> None:
-        """Add what an update of the map changed."""
+        """Add the changes of a map update."""
         self.changed = True
         self.new_grid = self.new_grid or change.geometry_changed
         if change.box is not None:
@@ -176,7 +176,7 @@ class TickResult:
                 self.cells.append(change.cells)
 
     def slot(self, *messages: Struct) -> None:
-        """Send messages to all clients, unless a newer one of its type replaces it first."""
+        """Send messages to all clients; a newer message of the same type replaces an unsent one."""
         for message in messages:
             self.slots[type_of(message)] = message
 
@@ -185,7 +185,7 @@ class TickResult:
         self.notices.append(NoticeMessage(code, message))
 
     def answer(self, message: Struct) -> None:
-        """Send ``message`` to the sender of the present command."""
+        """Send ``message`` to the sender of the current command."""
         self.answers.append((self.client, message))
 
     def refuse(self, client: Client | None, error: ProtocolError | MapperError) -> None:

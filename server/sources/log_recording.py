@@ -284,7 +284,7 @@ class LogRecording(Recording, Viewed):
 
     @property
     def diagnosis(self) -> Diagnosis | None:
-        """Diagnosis with the current trajectory; None before the examination has finished."""
+        """Diagnosis with the current trajectory; None unless an examination has finished without an error."""
         known = self._examinations.get(self.trajectory)
         is_there = known is not None and known.future.done() and not known.future.cancelled()
         return known.future.result() if known and is_there and known.future.exception() is None else None

@@ -229,7 +229,7 @@ async def series(
     end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
     buckets: Buckets = BUCKETS,
 ) -> Response:
-    """Return the numbers of one topic's messages over time: the extreme values, at most two rows per bucket."""
+    """Return the numbers of one topic's messages over time, as extreme values, at most two rows per bucket."""
     held = await look_into(request, sessions, library, visitor, session_id)
     series = next((series for series in held.contents.series if series.topic == topic), None)
     if series is None:

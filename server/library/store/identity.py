@@ -46,7 +46,7 @@ def check_store_identity(database: Database, blobs: Blobs) -> None:
 def belong_together(database: Database, blobs: Blobs) -> bool:
     """Return whether the records name this store, or no store yet.
 
-    Otherwise neither may be deleted because the other is missing. Blocks.
+    Otherwise, also if the store's id cannot be read, neither may be deleted because the other is missing. Blocks.
     """
     known = database.now(lambda connection: connection.execute(store.select()).scalars().all())
     try:

@@ -145,7 +145,7 @@ async def map_of_files(
     session_id: str,
     name: Annotated[str, Query(max_length=200, description="Title of the map.")] = "map",
 ) -> ChosenMap:
-    """Choose the map in which to localize the session's log. The body is a tar archive of a yaml file and its image.
+    """Choose the map for localizing the session's log: the body is a tar archive of a yaml file and its image.
 
     It may also be a map of CMU's course.
     """
@@ -205,7 +205,7 @@ async def cancel(library: Logs, sessions: Sessions, session_id: str) -> Localiza
 
 @dataclass(frozen=True, slots=True)
 class PresentHistory:
-    """The history of the filter that estimated the current poses; null if they do not come from localization."""
+    """The history of the filter that estimated the current poses; ``course`` is null without localization."""
 
     course: FilterHistory | None
 

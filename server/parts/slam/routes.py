@@ -87,7 +87,7 @@ class ChangeOfGraph(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class PresentGraph:
-    """The pose graph of the current trajectory; null if it has none."""
+    """The pose graph of the current trajectory; ``graph`` is null if it has none."""
 
     graph: PoseGraphAnswer | None
 
@@ -213,7 +213,7 @@ async def change(library: Logs, sessions: Sessions, session_id: str, body: Chang
 @router.get("/sessions/{session_id}/graph/edges/{edge}")
 @guests_may(GuestRight.LINKED_SESSION)
 async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) -> EdgeAnswer:
-    """Return an edge of the pose graph with both of its scans, in map metres, and its deviation from them."""
+    """Return an edge of the pose graph with both of its scans, in map metres, and the poses' deviation from it."""
     _, graphed, source = _graph(library, sessions, session_id)
     return await graphed.edge(edge, source)
 

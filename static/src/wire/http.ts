@@ -247,9 +247,8 @@ export interface FieldsAnswer {
 }
 
 /**
- * How certain the poses of a localization in `map` are along the log, at some of its `scans`. `deviation_m` is that of
- * the place, `entropy` bits, `fit` 0 to 1; `first_converged` is the first scan of all at which the filter had
- * converged.
+ * Uncertainty of a localization in `map` along the log, at some of its `scans`. `deviation_m` is that of the position,
+ * `entropy` is in bits, `fit` 0 to 1. `first_converged` is the first of all scans at which the filter had converged.
  */
 export interface FilterHistory {
   readonly map: MapAnswer;
@@ -357,7 +356,7 @@ export interface FleetState {
   readonly logs: readonly FleetLog[];
 }
 
-/** The footprint of a robot: its corners in its frame, metres, and both radii of the padded one, metres. */
+/** The footprint of a robot: its corners in its frame, and both radii of the padded footprint, metres. */
 export interface FootprintAnswer {
   readonly footprint: readonly (readonly [number, number])[];
   readonly inscribed_radius: number;
@@ -979,12 +978,12 @@ export interface PoseScore {
   readonly published: readonly PublishedResult[];
 }
 
-/** The pose graph of the current trajectory; null if it has none. */
+/** The pose graph of the current trajectory; `graph` is null if it has none. */
 export interface PresentGraph {
   readonly graph: PoseGraphAnswer | null;
 }
 
-/** The history of the filter that estimated the current poses; null if they do not come from localization. */
+/** The history of the filter that estimated the current poses; `course` is null without localization. */
 export interface PresentHistory {
   readonly course: FilterHistory | null;
 }
