@@ -80,7 +80,7 @@ class ClassBudgetError(MapperError):
 
 
 class Classes:
-    """Open, find and end classes. Used from the event loop only."""
+    """Opens, finds and ends classes. Used from the event loop only."""
 
     def __init__(
         self,

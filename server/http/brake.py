@@ -46,7 +46,7 @@ class OwnCounts:
 
 
 class Brake:
-    """Allow ``burst`` wrong secrets of a network at once, and one more each ``60 / per_minute`` seconds.
+    """Allows ``burst`` wrong secrets of a network at once, and one more each ``60 / per_minute`` seconds.
 
     ``counts`` are shared by all processes of the service; None if there is only one.
     """

@@ -32,7 +32,7 @@ _log = structlog.get_logger(__name__)
 
 
 class SignIns:
-    """Create, check and end cookies. Ended ones are stored in ``file``, so that they remain ended after a restart.
+    """Creates, checks and ends cookies. Ended ones are stored in ``file``, so that they remain ended after a restart.
 
     Any thread may end cookies, because writing the file can take long.
     """

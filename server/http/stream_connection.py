@@ -165,7 +165,7 @@ async def _send(websocket: WebSocket, session: SessionHost, client: Client, dire
 
 
 class Outgoing:
-    """Send the messages for one client immediately, without waking a task, which would cost more than sending.
+    """Sends the messages for one client immediately, without waking a task, which would cost more than sending.
 
     Everything else is left to the task that waits for :meth:`run`: the session's end, and a client that reads slowly.
     """

@@ -23,7 +23,7 @@ _log = structlog.get_logger(__name__)
 
 
 class SceneContents:
-    """Show the drawings of each state. :meth:`show` is called from threads, one call at a time."""
+    """Shows the drawings of each state. :meth:`show` is called from threads, one call at a time."""
 
     def __init__(
         self,

@@ -195,7 +195,7 @@ class VisibilitySwitches:
     """A folder "Show" with a switch for each label of the scene's nodes."""
 
     def __init__(self, gui: viser.GuiApi, switched: Callable[[], None]) -> None:
-        """``switched`` is called when a user has used a switch (viser's thread)."""
+        """Create the switches. ``switched`` is called when a user has used a switch (viser's thread)."""
         self._gui = gui
         self._switched = switched
         self._folder = gui.add_folder("Show", expand_by_default=False)

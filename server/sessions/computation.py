@@ -195,7 +195,7 @@ def frame_message(model: SessionModel) -> FrameMessage:
 
 
 class TickPace:
-    """Choose the time until the next tick, so that no frame is computed before a client can receive it.
+    """Chooses the time until the next tick, so that no frame is computed before a client can receive it.
 
     While ticks wait for a thread for longer than :data:`TICK_S`, the next one is computed only after a client has
     acknowledged the last frame or :data:`OVERLOADED_TICK_S` have passed: if a page receives two frames between two
@@ -226,7 +226,7 @@ class TickPace:
 
 
 class Showing:
-    """Run ``show`` as a task during a computation, from :data:`SHOWN_AFTER_S` after its start.
+    """Runs ``show`` as a task during a computation, from :data:`SHOWN_AFTER_S` after its start.
 
     Most computations end earlier and need no task. It can be restarted.
     """

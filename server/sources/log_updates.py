@@ -28,7 +28,7 @@ from server.stream.messages import ErrorMessage
 
 
 class FollowedPoses:
-    """Map along the poses that SLAM or localization has computed so far, until the user selects something else."""
+    """Maps along the poses that SLAM or localization has computed so far, until the user selects something else."""
 
     def __init__(self, recording: LogRecording) -> None:
         self._recording = recording

@@ -72,7 +72,7 @@ class SimulationModel(SessionModel):
     }
 
     def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
-        """``max_story_s`` is the longest computing time for replaying its history, seconds."""
+        """Create the model. ``max_story_s`` is the longest computing time for replaying its history, seconds."""
         super().__init__()
         self._host = host
         self._mapper = mapper

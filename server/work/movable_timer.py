@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 class MovableTimer:
-    """Call ``callback`` once at the time that was set last (event loop).
+    """Calls ``callback`` once at the time that was set last (event loop).
 
     A later time, or none, does not change the event loop's own timer, which checks the time when it fires and is
     renewed for the rest. Creating and cancelling timers at each frame of each session costs several times as much.

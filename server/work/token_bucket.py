@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 class TokenBucket:
-    """Hold at most ``burst`` tokens and gain ``per_s`` of them each second. Used from one thread."""
+    """Holds at most ``burst`` tokens and gains ``per_s`` of them each second. Used from one thread."""
 
     def __init__(self, burst: float, per_s: float, clock: Callable[[], float] = time.monotonic) -> None:
         self._burst, self._per_s, self._clock = burst, per_s, clock

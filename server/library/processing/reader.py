@@ -41,7 +41,7 @@ class SlowReadingError(MapperError):
 
 
 class Reader:
-    """Have logs read by ``worker``, by default a process of this machine. Used from the event loop only.
+    """Has logs read by ``worker``, by default a process of this machine. Used from the event loop only.
 
     One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file. Temporary files,
     such as unpacked archives, are in the log's own folder below ``scratch``, which is removed when the job ends, even

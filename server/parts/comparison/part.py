@@ -285,7 +285,7 @@ class SecondMapView:
         self.second.begin(replay.config, replay.grid)
 
     def sources(self) -> list[MappedScans]:
-        """The scans in the map."""
+        """Return the scans in the map."""
         return [MappedScans(self.replay.log, self.replay.trajectory, self.replay.index, self._recorded)]
 
     def compared(self, grid: OccupancyGrid) -> Comparison:

@@ -56,7 +56,7 @@ def source_of_scans(config: ObstacleConfig) -> SourceConfig | None:
 
 
 class _Plain(yaml.SafeDumper):
-    """Write a repeated value in full each time, because the parameter reader of ROS 2 rejects aliases."""
+    """Writes a repeated value in full each time, because the parameter reader of ROS 2 rejects aliases."""
 
     def ignore_aliases(self, data: object) -> bool:
         del data

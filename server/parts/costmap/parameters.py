@@ -140,7 +140,7 @@ class CostmapParameters:
         return CostmapParameters(present, outline, loaded)
 
     def is_on(self, layer: str) -> bool:
-        """Whether a layer is used."""
+        """Return whether a layer is used."""
         return bool(self.values[layer])
 
     @property

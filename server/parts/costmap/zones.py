@@ -91,7 +91,7 @@ class SpeedZones:
     """The painted mask of a speed filter: ``mask`` (rows, cols) int8, 1 to 100, 0 for no limit."""
 
     def __init__(self, geometry: GridGeometry, kind: str, given: Int8Array | None = None) -> None:
-        """``kind`` is a name of :data:`SPEED_TYPES`; ``given`` is an initial mask."""
+        """Create a mask. ``kind`` is a name of :data:`SPEED_TYPES`; ``given`` is an initial mask."""
         self._geometry, self._given = geometry, given
         self.mask: Int8Array = np.zeros(geometry.shape, dtype=np.int8)
         self.clear()

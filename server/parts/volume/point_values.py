@@ -35,7 +35,7 @@ class PointValues:
         return names + ["time"] * (len(scans) > 1) + ["difference"] * (self._other is not None)
 
     def is_banded(self, name: str) -> bool:
-        """Whether a colouring shows a value of the points, in :data:`COLOURS` steps."""
+        """Return whether a colouring shows a value of the points, in :data:`COLOURS` steps."""
         return name in UNITS and name in self.names
 
     def scale(self, name: str) -> ColourScale | None:

@@ -51,7 +51,7 @@ class VoxelQuestions:
     """Answers about voxels; the last queried voxel is chosen."""
 
     def __init__(self, host: ModelHost, chosen: ChosenVoxel, scans: ScanSequence | None = None) -> None:
-        """``scans`` are those of the map, whose points are described as well."""
+        """Create the answers. ``scans`` are those of the map, whose points are described as well."""
         self._host, self._chosen, self._scans = host, chosen, scans
         self.is_busy = False  #: whether an answer is being computed
 

@@ -1402,7 +1402,7 @@ export interface TerrainCommand {
   readonly y?: number | null;
 }
 
-/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
+/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. Omitted fields are kept. */
 export interface CostmapCommand {
   readonly type: "costmap";
   /** false: end it */
