@@ -117,7 +117,7 @@ async def _lifespan(
 
 
 def _prepared(settings: Settings, worker: Worker | None) -> Prepared | None:
-    """Return the class that is open from the start, None for none."""
+    """Return the class that is open from the start, None without one."""
     if worker is not None:
         return worker.prepared
     return None if settings.class_code is None else PreparedHere(settings.class_code)
@@ -139,9 +139,10 @@ async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
 
 
 def _state_places(routes: Iterable[BaseRoute]) -> None:
-    """Tell FastAPI where the function of each route stands, for its errors.
+    """Pass the source location of each route's function to FastAPI, for its errors.
 
-    At the first request of a route it would read the source file and look for the end of the function: up to 60 ms.
+    Otherwise the first request of a route would read the source file and search for the end of the function: up to 60
+    ms.
     """
     for route in routes:
         if isinstance(route, APIRoute | APIWebSocketRoute):
@@ -155,7 +156,7 @@ def create_app(
 ) -> FastAPI:
     """Return the service for these settings (None: those of the environment), with sessions of these kinds.
 
-    ``worker`` says which one of several workers it is, whose settings these are.
+    ``worker`` is the worker to which the settings belong, if there are several.
     """
     settings = (Settings() if settings is None else settings).with_token()
     token = None if settings.token is None else settings.token.get_secret_value()
@@ -194,9 +195,9 @@ def create_app(
         *stated("routes", "router"),
         docs.router,
         sign_out.router,
-        pages.router,  # last: it has a route for any other name
+        pages.router,  # last, because it has a route for any other name
     )
-    # The routes as they are: FastAPI makes all models of an included router again, at its first request.
+    # The routes themselves, because FastAPI creates all models of an included router again, at its first request.
     routes = [route for router in routers for route in router.routes]
     app.router.routes += routes
     _state_places(routes)

@@ -1,6 +1,6 @@
 """A client of the service for programs: upload a log, wait until it was read, get its map, its findings and a link.
 
-It makes the requests that the pages make. Who uses it is a visitor of the service, as a browser is.
+It sends the same requests as the pages, and is a visitor of the service like a browser.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ __all__ = ["Client", "ClientError", "Log", "Session"]
 
 READ_EVERY_S = 0.2
 TIMEOUT_S = 30.0  #: of a request
-WORK_TIMEOUT_S = 600.0  #: of a request for which the service has to compute
-SHARED = "/shared/"  #: what the path of a link begins with
+WORK_TIMEOUT_S = 600.0  #: of a request that requires computation
+SHARED = "/shared/"  #: beginning of the path of a link
 _SEQ_AT = 8  #: bytes into a binary frame, docs/wire.md
 
 
@@ -56,7 +56,7 @@ class Log:
     id: str
     name: str
     state: str
-    progress: float  #: 0 … 1, of reading
+    progress: float  #: of reading, 0 to 1
     scans: int | None
     beams: int | None
     duration_s: float | None
@@ -68,7 +68,7 @@ class Log:
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """A session of the service: ``index`` scans are in its map, of ``count`` that there are."""
+    """A session of the service: its map contains ``index`` of ``count`` scans."""
 
     id: str
     kind: str
@@ -86,7 +86,7 @@ class _Sessions(msgspec.Struct):
 
 
 class _Link(msgspec.Struct):
-    """The answer to the making of a link: the path of what it opens."""
+    """The answer to the creation of a link: its path."""
 
     address: str
 
@@ -94,14 +94,14 @@ class _Link(msgspec.Struct):
 class Client:
     """A connection to the service at ``url``.
 
-    ``url`` may hold the service's token, as the address does that the service prints; ``token`` replaces it.
-    ``visitors`` is a file that keeps the visitor id for each service, so that a log that is sent twice is stored once
-    and an interrupted upload is resumed in another process; without it every client is a new visitor, who sees none of
+    ``url`` may contain the service's token, like the address that the service prints; ``token`` replaces it.
+    ``visitors`` is a file that stores the visitor id for each service, so that a log that is sent twice is stored once
+    and an interrupted upload is resumed in another process. Without it every client is a new visitor, who sees none of
     the logs and sessions of another. After a broken connection a request is repeated ``pause_s`` seconds later, and
-    after twice the last pause at each further attempt. A proxy that the environment names (``HTTPS_PROXY``) is used,
-    except for a service on this machine's loopback address.
+    after twice the last pause at each further attempt. A proxy from the environment (``HTTPS_PROXY``) is used, except
+    for a service on this machine's loopback address.
 
-    All methods raise :class:`ClientError`: the service's sentence where it refuses, or that it cannot be reached.
+    All methods raise :class:`ClientError`: with the service's sentence if it refuses, or if it cannot be reached.
     """
 
     def __init__(
@@ -111,7 +111,7 @@ class Client:
         self.base = f"{parts.scheme}://{parts.netloc}"
         self._pause_s = pause_s
         token = token or parse_qs(parts.query).get("token", [""])[0]
-        # A proxy of the environment is for other machines: on it, loopback would be the proxy's own.
+        # A proxy from the environment is for other machines, because loopback would be the proxy's own.
         self._is_local = is_loopback_name(parts.hostname or "")
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         cookies = {"gridbloom_visitor": visitor_id(visitors, self.base)}
@@ -134,13 +134,13 @@ class Client:
         self.close()
 
     def close(self) -> None:
-        """Close the connection. Logs and sessions stay with the service."""
+        """Close the connection. Logs and sessions are kept by the service."""
         self._http.close()
 
     # -- logs ------------------------------------------------------------------------------------------------------
 
     def upload(self, path: Path, progress: Progress | None = None) -> Log:
-        """Send the log at ``path``; return it, not read yet. ``progress`` is called with the share that was sent.
+        """Send the log at ``path``; return it, not read yet. ``progress`` is called with the share sent.
 
         If ``path`` is a folder, the log in it is sent; a log of several files is sent as a tar archive. After a broken
         connection the upload resumes at the last byte that the service has: after ``pause_s`` seconds, and after twice
@@ -152,9 +152,9 @@ class Client:
                 return _log(sent(self._http, file, path.resolve().name, size, digest, progress, self._pause_s))
 
     def wait(self, log: Log, progress: Progress | None = None) -> Log:
-        """Return ``log`` once the service has read it. ``progress`` is called with the share that was read.
+        """Return ``log`` once the service has read it. ``progress`` is called with the share read.
 
-        Raises :class:`ClientError` with the reason where it cannot be read.
+        Raises :class:`ClientError` with the reason if it cannot be read.
         """
         while log.state in ("queued", "reading"):
             if progress is not None:
@@ -171,7 +171,7 @@ class Client:
         return [_log(record) for record in self._answer("GET", "/api/logs").json()["logs"]]
 
     def log(self, log_id: str) -> Log:
-        """Return one log as it is now."""
+        """Return the current state of a log."""
         return _log(self._answer("GET", f"/api/logs/{log_id}").json())
 
     def delete(self, log: Log) -> None:
@@ -189,12 +189,11 @@ class Client:
         cut: Mapping[str, float] | None = None,
         playing: bool = False,
     ) -> Session:
-        """Begin a session on a log, its map being empty; with ``playing`` the scans come in from the start.
+        """Begin a session on a log with an empty map; if ``playing``, scans are added from the start.
 
-        That of clouds is a map in 3D, that of map files an editor, and recorded costmaps are shown.
-
-        ``topic`` names its sensor, or several with " + " between them; ``cut`` says how scans are cut out of clouds and
-        depth images, values of :data:`mapper.sensors.planar.options.PARAMETERS`.
+        Clouds are shown as a 3D map, map files in an editor, and recorded costmaps as such. ``topic`` names the sensor,
+        or several separated by " + "; ``cut`` has the options for cutting scans out of clouds and depth images, values
+        of :data:`mapper.sensors.planar.options.PARAMETERS`.
         """
         # A log of clouds has no planar scans.
         of_kind = {"kind": "volume"} if log.record["clouds"] else {"kind": "log", "trajectory": trajectory}
@@ -207,11 +206,11 @@ class Client:
         return self._asked(_Sessions, "GET", "/api/sessions").sessions
 
     def session(self, session_id: str) -> Session:
-        """Return one session as it is now."""
+        """Return the current state of a session."""
         return self._asked(Session, "GET", f"/api/sessions/{session_id}")
 
     def seek(self, session: Session, index: int | None = None) -> Session:
-        """Pause a session of a log, bring it to the map after ``index`` scans (None: all), and return it."""
+        """Pause a session of a log, seek its map to ``index`` scans (None: all), and return it."""
         target = session.count if index is None else index
         with self._reaching(), self._stream(session) as socket:
             for command in (
@@ -237,13 +236,13 @@ class Client:
         self._send("DELETE", f"/api/sessions/{session.id}")
 
     def address(self, session: Session) -> str:
-        """Return the address of the page of a log's session, for those who may use the service."""
+        """Return the address of the page of a log's session, for users of the service."""
         kind = "" if session.kind == "log" else f"&kind={session.kind}"
         return f"{self.base}/logs.html?session={session.id}{kind}"
 
     @contextmanager
     def at(self, address: str) -> Iterator[Log | Session]:
-        """Yield what the page at ``address`` shows: a log or a session, or a session of a link, which ends after it."""
+        """Yield the log or session of the page at ``address``, or a temporary session of a link."""
         parts = urlsplit(address)
         query = parse_qs(parts.query)
         if "session" in query:
@@ -256,21 +255,21 @@ class Client:
             try:
                 yield session
             finally:
-                with suppress(ClientError):  # without the token it is not ended, and ends when it was idle
+                with suppress(ClientError):  # without the token it cannot be ended, and ends after idling
                     self.end(session)
         else:
             raise ClientError("client.address", "This is the address neither of a log's page nor of a link to one.")
 
     def link(self, session: Session) -> str:
-        """Make a read-only link to what a session of a log shows now; it needs no token. Valid until it is revoked."""
+        """Create a read-only link to the current view of a log's session. It needs no token. Valid until revoked."""
         return self.base + self._asked(_Link, "POST", f"/api/sessions/{session.id}/links", json={}).address
 
     # -- maps and findings -----------------------------------------------------------------------------------------
 
     def map(self, of: Log | Session) -> OccupancyGrid:
-        """Return the map of a session as it is now, or of all scans of a log.
+        """Return the current map of a session, or the map of all scans of a log.
 
-        It comes as map.yaml and map.pgm: each cell has the state that it has in the service's map (free, occupied or
+        It is downloaded as map.yaml and map.pgm: each cell has its state in the service's map (free, occupied or
         unknown), not its log-odds.
         """
         from mapper.core.limits import DEFAULT_LIMITS  # noqa: PLC0415 - start-up
@@ -278,7 +277,7 @@ class Client:
         from mapper.io.maps.description import parse_description  # noqa: PLC0415 - start-up
 
         with self._session_of(of, whole=True) as session, tempfile.TemporaryDirectory() as folder:
-            # The same name for both requests: then both are of one instant.
+            # The same name in both requests makes them refer to one instant.
             path, at = f"/api/sessions/{session.id}", {"at": "client-" + str(time.time_ns())}
             yaml = self._answer("GET", f"{path}/map.yaml", params=at, timeout=WORK_TIMEOUT_S).content
             pgm = self._answer("GET", f"{path}/map.pgm", params=at, timeout=WORK_TIMEOUT_S).content
@@ -287,12 +286,12 @@ class Client:
             return load_map(Path(folder) / "map.yaml").grid
 
     def picture(self, of: Log | Session) -> bytes:
-        """Return the map as :meth:`map`, as a PNG picture in which a cell's grey is its probability."""
+        """Return the same map as :meth:`map`, as a PNG image in which a cell's grey value is its probability."""
         with self._session_of(of, whole=True) as session:
             return self._answer("GET", f"/api/sessions/{session.id}/map.png", timeout=WORK_TIMEOUT_S).content
 
     def doctor(self, of: Log | Session) -> list[Finding]:
-        """Return what the doctor finds in a log, with the session's trajectory or else with the log's first."""
+        """Return the doctor's findings in a log, with the session's trajectory or by default the log's first."""
         from mapper.diagnosis import Finding  # noqa: PLC0415 - start-up
 
         with self._session_of(of, whole=False) as session:
@@ -308,7 +307,7 @@ class Client:
 
     @contextmanager
     def _session_of(self, of: Log | Session, *, whole: bool) -> Iterator[Session]:
-        """Yield a session; for a log one of its own, which ends, with the ``whole`` log in its map if wanted."""
+        """Yield a session; for a log, a temporary one, if ``whole`` with the entire log in its map."""
         if isinstance(of, Session):
             yield of
             return

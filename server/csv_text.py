@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-_FORMULA = ("=", "+", "-", "@")  #: with which a spreadsheet begins a formula, after any space
+_FORMULA = ("=", "+", "-", "@")  #: characters that start a formula in a spreadsheet, after any space
 
 
 def as_text(cell: str) -> str:
-    """Return a text that no spreadsheet takes for a formula: where it might, it begins with an apostrophe."""
+    """Return a text that no spreadsheet interprets as a formula, prefixed by an apostrophe if necessary."""
     return f"'{cell}" if cell[:1] in ("\t", "\r") or cell.lstrip().startswith(_FORMULA) else cell

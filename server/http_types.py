@@ -1,6 +1,6 @@
 """Generate ``static/src/wire/http.ts``: the types of the HTTP interface, from its OpenAPI document.
 
-They are those of queries, of bodies and of answers in JSON, and the requests that are answered with files.
+They are the types of queries, of JSON bodies and answers, and a list of the requests answered with files.
 ``python -m server.http_types`` writes the file; with ``--check`` it only fails if it is out of date.
 """
 
@@ -23,11 +23,11 @@ _REFERENCE = "#/components/schemas/"
 _SCALARS = {"string": "string", "integer": "number", "number": "number", "boolean": "boolean", "null": "null"}
 
 Schema = Mapping[str, Any]
-"""A JSON Schema, as the OpenAPI document has it."""
+"""A JSON Schema of the OpenAPI document."""
 
 
 def _name(reference: str) -> str:
-    """Return the TypeScript name of a referenced schema; generic models have brackets in theirs."""
+    """Return the TypeScript name of a referenced schema. Generic models have brackets in theirs."""
     return re.sub(r"\W", "", reference.removeprefix(_REFERENCE))
 
 
@@ -55,7 +55,7 @@ def _typescript(schema: Schema) -> str:
 
 
 def _references(schema: object) -> Iterator[str]:
-    """Yield the names of the schemas that one refers to."""
+    """Yield the names of the schemas that a schema references."""
     if isinstance(schema, Mapping):
         for key, value in schema.items():
             if key == "$ref":
@@ -75,9 +75,9 @@ def _operations(document: Schema) -> Iterator[tuple[str, Schema]]:
 
 
 def answers_of(document: Schema) -> dict[str, list[Schema]]:
-    """Return the schemas of the answers to each request, by method and address; {} where there is no content.
+    """Return the schemas of the answers to each request, by method and address; {} for no content.
 
-    A request that is answered with a file is left out.
+    Requests answered with a file are left out.
     """
     answers: dict[str, list[Schema]] = {}
     for request, operation in _operations(document):
@@ -91,7 +91,7 @@ def answers_of(document: Schema) -> dict[str, list[Schema]]:
 
 
 def _files_of(document: Schema) -> list[str]:
-    """Return the requests that are answered with a file; a part of an address that is one of a few is each of them."""
+    """Return the requests answered with a file. A path parameter with few values is expanded to each of them."""
     answers, files = answers_of(document), []
     for request, operation in _operations(document):
         if request in answers:
@@ -162,7 +162,7 @@ def _interface(name: str, schema: Schema, *, is_answer: bool) -> list[str]:
 
 
 def _with_references(of: object, schemas: Schema) -> set[str]:
-    """Return the names of the schemas that one refers to, directly or through others."""
+    """Return the names of the schemas that one references, directly or through others."""
     names: set[str] = set()
     left = [*_references(of)]
     while left:

@@ -1,4 +1,4 @@
-"""Many imports at one time, as at the start of the service, and those that come later."""
+"""Faster imports, for the start of the service, and imports on a thread for later ones."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from importlib import import_module
 
 from mapper.core.lazy_imports import hidden_modules
 
-# Other packages import these where they are installed, and the service does not use them.
-UNUSED_BY_ROUTES = ("pydantic.v1",)  #: FastAPI would look for its models, also when it is asked for a route first
+# Other packages import these if they are installed, and the service does not use them.
+UNUSED_BY_ROUTES = ("pydantic.v1",)  #: FastAPI would look for its models, even when a route is first requested
 UNUSED = ("rich", "colorama", *UNUSED_BY_ROUTES)  #: structlog would format tracebacks, and colour Windows terminals
 
 
@@ -20,9 +20,9 @@ UNUSED = ("rich", "colorama", *UNUSED_BY_ROUTES)  #: structlog would format trac
 def fast_imports() -> Iterator[None]:
     """Run the block, which imports, without the modules :data:`UNUSED` and without Python's cyclic garbage collector.
 
-    On the thread of the start-up only. What an import makes stays until the process ends. The collector would look
-    through all of it again and again, at an eighth of the processor time of the service's start. What is there in the
-    end it never looks at (``gc.freeze``).
+    Only for the thread of the start-up. Imported objects exist until the process ends. The collector would traverse all
+    of them again and again, which takes an eighth of the processor time of the service's start. Afterwards it ignores
+    them (``gc.freeze``).
     """
     gc.disable()
     try:
@@ -34,11 +34,11 @@ def fast_imports() -> Iterator[None]:
 
 
 async def imported(*names: str) -> None:
-    """Import modules on a thread, those that are not there yet.
+    """Import missing modules on a thread.
 
-    An import takes up to a second, for which the event loop has no time. An import statement that follows finds them.
+    An import takes up to a second, which would block the event loop. A following import statement finds them.
     """
     for name in names:
         spec = getattr(sys.modules.get(name), "__spec__", None)
-        if spec is None or getattr(spec, "_initializing", False):  # another thread imports it: a statement would wait
+        if spec is None or getattr(spec, "_initializing", False):  # another thread imports it; a statement would wait
             await asyncio.to_thread(import_module, name)

@@ -16,7 +16,7 @@ from structlog.typing import Processor
 _LEVELS = {"debug": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 
 
-#: What follows these in an address is a secret: a session's id or a link's token gives access.
+#: These are followed by a secret in an address: a session's id or a link's token gives access.
 _SECRET = re.compile(r"((?:/(?:sessions|scenes|shared)/|[?&](?:token|session)=))[A-Za-z0-9_~%.-]+")
 
 
@@ -26,12 +26,12 @@ def short_hash(secret: str) -> str:
 
 
 def without_secrets(line: str) -> str:
-    """Return a log line with the secrets in the addresses of sessions, 3D views and links, and tokens, left out."""
+    """Return a log line without tokens and the secrets in the addresses of sessions, 3D views and links."""
     return _SECRET.sub(r"\1…", line)
 
 
 class _Formatter(structlog.stdlib.ProcessorFormatter):
-    """Formats log lines, tracebacks and those of libraries included, without the secrets in addresses."""
+    """Formats log lines, including tracebacks and those of libraries, without the secrets in addresses."""
 
     def format(self, record: logging.LogRecord) -> str:
         return without_secrets(super().format(record))
@@ -40,7 +40,8 @@ class _Formatter(structlog.stdlib.ProcessorFormatter):
 def configure_logging(log_format: str, level: str) -> None:
     """Send the service's and the libraries' log lines to standard error in one form.
 
-    ``log_format`` is ``"console"`` or ``"json"``. uvicorn's access lines are off: they hold addresses, and the token.
+    ``log_format`` is ``"console"`` or ``"json"``. uvicorn's access lines are off, because they contain addresses, and
+    the token.
     """
     shared: list[Processor] = [
         structlog.contextvars.merge_contextvars,
@@ -54,7 +55,7 @@ def configure_logging(log_format: str, level: str) -> None:
         logger_factory=structlog.stdlib.LoggerFactory(),
         cache_logger_on_first_use=False,
     )
-    # Tracebacks without the values of variables: a token may be among them.
+    # Tracebacks without the values of variables, which may include a token.
     last: list[Processor] = (
         [structlog.processors.ExceptionRenderer(ExceptionDictTransformer(show_locals=False)), JSONRenderer()]
         if log_format == "json"
@@ -69,7 +70,7 @@ def configure_logging(log_format: str, level: str) -> None:
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(_LEVELS[level])
-    # "connection open" and the address of each socket: the service logs these itself.
+    # "connection open" and the address of each socket, which the service logs itself.
     for name in ("uvicorn.error", "httpx", "numba", "websockets"):
         logging.getLogger(name).setLevel(max(_LEVELS[level], logging.WARNING))
     logging.getLogger("uvicorn.error").addFilter(_is_ours)

@@ -1,4 +1,4 @@
-"""The network of a client's address, by which limits count clients."""
+"""The network of a client's address, which limits use to count clients."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import ipaddress
 import re
 import socket
 
-IPV6_PREFIX = 64  #: bits that identify a site: a host can choose the other bits freely
+IPV6_PREFIX = 64  #: bits that identify a site; a host can choose the others freely
 
 
 def network_of(address: str) -> str:
-    """Return an IPv4 address, also one mapped to IPv6, as it is, and an IPv6 address as its /64 network.
+    """Return an IPv4 address, even one mapped to IPv6, unchanged, and an IPv6 address as its /64 network.
 
     Other texts are returned unchanged.
     """
@@ -24,9 +24,9 @@ def network_of(address: str) -> str:
 
 
 def own_address() -> str | None:
-    """Return this machine's address in its network, by which other machines reach it; None without a network.
+    """Return this machine's address in its network, at which other machines reach it; None without a network.
 
-    A UDP socket is connected, for which nothing is sent: the system chooses the address from which it would send.
+    It connects a UDP socket, for which nothing is sent: the system chooses the address from which it would send.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
@@ -38,7 +38,7 @@ def own_address() -> str | None:
 
 
 def reachable(netloc: str) -> str:
-    """Return the host and port of a URL, a loopback name replaced by this machine's address in its network."""
+    """Return the host and port of a URL, with a loopback name replaced by this machine's address in its network."""
     name, colon, port = netloc.rpartition(":") if re.search(r":[0-9]+$", netloc) else (netloc, "", "")
     if name.strip("[]") not in ("localhost", "127.0.0.1", "::1", "0.0.0.0", "::"):  # noqa: S104 - compared, not bound
         return netloc

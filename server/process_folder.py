@@ -1,4 +1,4 @@
-"""The folder in which this process keeps its Unix sockets: gone with it, or with the next start if it was killed."""
+"""The folder for this process's Unix sockets, removed with the process, or at the next start if it was killed."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ PREFIX = "gridbloom-process-"
 def process_folder() -> Path:
     """Return the folder, below the system's temporary one, which no other account can open.
 
-    The first call removes the folders of processes that were killed. Raises :class:`OSError`.
+    The first call removes the folders of killed processes. Raises :class:`OSError`.
     """
     _remove_abandoned()
     while True:
         folder = Path(tempfile.mkdtemp(prefix=PREFIX))
-        # The lock ends with the process, however that ends. It is not inherited by the processes that it starts.
+        # The lock ends with the process, for whatever reason. Its child processes do not inherit it.
         if _is_locked(folder):
             atexit.register(shutil.rmtree, folder, ignore_errors=True)
             return folder
@@ -40,14 +40,14 @@ def _remove_abandoned() -> None:
 def _remove_unlocked(folder: Path) -> None:
     handle = os.open(folder, os.O_RDONLY)
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)  # BlockingIOError where its process runs
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)  # BlockingIOError if its process is running
         shutil.rmtree(folder, ignore_errors=True)
     finally:
         os.close(handle)
 
 
 def _is_locked(folder: Path) -> bool:
-    """Lock a new folder until this process ends; return False where another start has just removed it."""
+    """Lock a new folder until this process ends; return False if another start has just removed it."""
     handle = os.open(folder, os.O_RDONLY)
     with contextlib.suppress(OSError):  # a file system without locks, on which no start removes a folder
         fcntl.flock(handle, fcntl.LOCK_EX)

@@ -45,9 +45,9 @@ from server.workers.worker import REPLACE, Worker
 
 BACKLOG = 2048
 UNGUARDED = "no token is required: everyone who can reach the service may upload logs and use all functions."
-THREADS_END_S = 1.0  #: seconds within which threads must end after the service is closed
+THREADS_END_S = 1.0  #: seconds in which threads must end after the service is closed
 MAX_AHEAD = 8  #: messages of a WebSocket that may wait for the application before reading pauses
-UPLOADS_S = 600.0  #: seconds that a worker which is to be replaced waits for uploads under way
+UPLOADS_S = 600.0  #: seconds that a worker to be replaced waits for running uploads
 UNREAD_MS = 30_000  #: milliseconds without acknowledgement of sent data after which a connection is closed
 
 
@@ -60,7 +60,7 @@ def class_invitation(code: str, netloc: str) -> str:
 
 
 def address_of(host: str, port: int, token: str | None) -> str:
-    """Return the URL to open in a browser; a wildcard address is replaced by loopback."""
+    """Return the URL to open in a browser, with a wildcard address replaced by loopback."""
     name = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(host, host)  # noqa: S104 - compared, not bound
     name = f"[{name}]" if ":" in name and not name.startswith("[") else name
     return f"http://{name}:{port}/" + (f"?token={token}" if token else "")
@@ -73,7 +73,7 @@ def listen(host: str, port: int) -> socket.socket:
     bound = socket.socket(family, kind, protocol)
     try:
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # Accepted sockets inherit it. A client that never reads would hold a session without end, because closing waits
+        # Accepted sockets inherit it. A client that never reads would hold a session endlessly, because closing waits
         # until all sent data is acknowledged. (Linux only; elsewhere the session's idle time is the only limit.)
         if hasattr(socket, "TCP_USER_TIMEOUT"):
             bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNREAD_MS)
@@ -90,13 +90,13 @@ class Socket(WebSocketsSansIOProtocol):
     """uvicorn's WebSocket protocol, which closes a connection whose handshake cannot be parsed.
 
     uvicorn would keep it open without an answer and raise an error at shutdown, so that sessions would not be closed.
-    It takes whole frames too, see :data:`server.stream.frames.EXTENSION`.
+    It also accepts complete frames, see :data:`server.stream.frames.EXTENSION`.
     """
 
     on_text: Callable[[bytes], bool] | None = None
 
     def handle_connect(self, event: Request) -> None:
-        """Begin the application for a handshake."""
+        """Start the application for a handshake."""
         super().handle_connect(event)
         if not self.handshake_complete:  # the handshake was not refused
             self.scope["extensions"][EXTENSION] = {"socket": self}
@@ -110,8 +110,8 @@ class Socket(WebSocketsSansIOProtocol):
     def send_receive_event_to_app(self) -> None:
         """Queue a message for the application.
 
-        uvicorn pauses reading at each message and resumes it afterwards, two system calls for an acknowledgement of 30
-        bytes; here only a client that is :data:`MAX_AHEAD` messages ahead waits.
+        uvicorn pauses reading at each message and resumes it afterwards, which takes two system calls for an
+        acknowledgement of 30 bytes. Here only a client that is :data:`MAX_AHEAD` messages ahead waits.
         """
         was_paused = self.read_paused
         is_ahead = self.queue.qsize() >= MAX_AHEAD
@@ -120,7 +120,7 @@ class Socket(WebSocketsSansIOProtocol):
         self.read_paused = was_paused or is_ahead
 
     def is_ready(self) -> bool:
-        """Return whether the client is there, and has read enough of what was written before."""
+        """Return whether the client is connected, and has read enough of the earlier data."""
         is_open = not (self.disconnected or self.close_sent) and self.conn.state is State.OPEN
         return is_open and self.writable.is_set()
 
@@ -129,7 +129,7 @@ class Socket(WebSocketsSansIOProtocol):
         self.transport.write(frames)
 
     async def send(self, message: Any) -> None:  # noqa: ANN401 - an ASGI message, with an extension
-        """Send what the application sends."""
+        """Send a message of the application."""
         frames = message.get("frames")
         if frames is None:
             await super().send(message)
@@ -149,7 +149,7 @@ class Socket(WebSocketsSansIOProtocol):
 class Server(uvicorn.Server):
     """A uvicorn server that limits its number of ``connections``. While it runs, ``warm_up`` may compile kernels.
 
-    ``worker`` says which one of several workers it is: it also takes the connections that others pass on to it.
+    ``worker`` is this worker, if there are several; it also accepts the connections that others hand over to it.
     """
 
     def __init__(
@@ -176,7 +176,7 @@ class Server(uvicorn.Server):
             asyncio.get_running_loop().add_signal_handler(REPLACE, self._begin_to_end)
 
     def _begin_to_end(self) -> None:
-        """End once no upload is under way, or after :data:`UPLOADS_S`."""
+        """End once no upload is running, or after :data:`UPLOADS_S`."""
         self._ending = asyncio.create_task(self._end_after_uploads())
 
     async def _end_after_uploads(self) -> None:
@@ -185,13 +185,13 @@ class Server(uvicorn.Server):
         self.should_exit = True
 
     def _take(self, passed_on: socket.socket, head: bytes) -> None:
-        """Begin with a connection of which another worker has read ``head``."""
+        """Accept a connection of which another worker has read ``head``."""
         taking = asyncio.create_task(self._begin_with(passed_on, head))
         self._taking.add(taking)
         taking.add_done_callback(self._taking.discard)
 
     async def _begin_with(self, passed_on: socket.socket, head: bytes) -> None:
-        with contextlib.suppress(OSError):  # the client has gone
+        with contextlib.suppress(OSError):  # the client has disconnected
             connection = counted(passed_on, str(passed_on.getpeername()[0]), self.connections)
             if connection is None:
                 return
@@ -205,7 +205,7 @@ class Server(uvicorn.Server):
             await asyncio.get_running_loop().connect_accepted_socket(protocol, connection)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Close all connections and end what was begun."""
+        """Close all connections and end the started tasks."""
         if self.worker is not None:
             self.worker.handover.end()
         if self.warm_up is not None:
@@ -216,7 +216,7 @@ class Server(uvicorn.Server):
 def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS, worker: Worker | None = None) -> Server:
     """Return a uvicorn server of the service with sessions of these kinds, not yet running. Run it on sockets.
 
-    ``worker`` says which one of several workers it is, whose settings these are.
+    ``worker`` is the worker to which the settings belong, if there are several.
     """
     handover = None if worker is None else worker.handover
     elsewhere = None if worker is None else worker.connections
@@ -230,7 +230,7 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS, worker: W
                 HttpProtocol, connections=connections, header_s=settings.header_timeout_s, handover=handover
             ),
             ws=Socket,
-            ws_per_message_deflate=False,  # tiles are compressed already
+            ws_per_message_deflate=False,  # tiles are already compressed
             ws_max_size=1 << 20,
             ws_ping_interval=20.0,
             ws_ping_timeout=20.0,
@@ -260,7 +260,7 @@ def run(settings: Settings) -> None:
             held.enter_context(claimed(settings.data_dir))
         if settings.workers == 1:
             _check_stores(settings)
-        else:  # the stores have threads, which this process cannot have when it is forked
+        else:  # the stores have threads, which this process must not have when it is forked
             in_child(partial(_check_stores, settings))
         _serve(settings)
 
@@ -322,20 +322,20 @@ def _take_all_descriptors() -> None:
     """Raise the limit of open files to its maximum: each browser needs one, and the default is often 1024."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != hard:
-        with contextlib.suppress(ValueError, OSError):  # macOS states a limit that it does not grant
+        with contextlib.suppress(ValueError, OSError):  # macOS reports a limit that it does not grant
             resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
 def _end(*_: object) -> NoReturn:
-    """End the process; stores and sessions are closed already.
+    """End the process; stores and sessions are already closed.
 
-    Python waits for its threads, and a thread that compiles a kernel cannot be interrupted: after
-    :data:`THREADS_END_S` the process ends without it.
+    Python waits for its threads, and a thread that compiles a kernel cannot be interrupted. After :data:`THREADS_END_S`
+    the process ends without waiting for it.
     """
     left_behind = threading.Timer(THREADS_END_S, os._exit, (0,))
     left_behind.daemon = True
     try:
         left_behind.start()
-    except (RuntimeError, MemoryError):  # there is no memory for a thread
+    except (RuntimeError, MemoryError):  # no memory for a thread
         os._exit(0)
     raise SystemExit(0)

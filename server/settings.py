@@ -20,13 +20,13 @@ from server.storage import RECORDS_FILE
 
 
 def _default_data_dir() -> Path:
-    """Return the folder that the XDG base directory specification gives an application for its data."""
+    """Return the folder for an application's data according to the XDG base directory specification."""
     home = os.environ.get("XDG_DATA_HOME", "")
     return (Path(home) if home.startswith("/") else Path.home() / ".local" / "share") / "gridbloom"
 
 
 _PREFIX = "GRIDBLOOM_"
-#: Variables with the prefix that tests, benchmarks and the build of the pages read.
+#: Variables with the prefix that are used by tests, benchmarks and the build of the pages.
 _OF_TESTS = {
     f"{_PREFIX}{name}"
     for name in (
@@ -228,7 +228,7 @@ class Settings(BaseSettings):
         return None if self.database is None else self.database.get_secret_value()
 
     def of_worker(self, worker: int) -> Settings:
-        """Return the settings of one of several workers: it shares records and blobs, and has a folder for the rest."""
+        """Return the settings of one of several workers: shared records and blobs, and its own folder for the rest."""
         root = self.data_dir / "library"
         shared = {
             "database": self.database or SecretStr(f"sqlite:///{(root / RECORDS_FILE).absolute()}"),
@@ -238,7 +238,7 @@ class Settings(BaseSettings):
 
     @property
     def is_loopback(self) -> bool:
-        """Whether the service listens on this machine's loopback address only."""
+        """Whether the service listens only on this machine's loopback address."""
         return is_loopback_name(self.host)
 
     @property
@@ -254,7 +254,7 @@ class Settings(BaseSettings):
 
 
 def unknown_setting(variables: Iterable[str]) -> str | None:
-    """Return what is wrong with the first of the environment's variables that looks like a setting and is none."""
+    """Return an error about the first environment variable that looks like a setting but is none."""
     names = [_PREFIX + name.upper() for name in Settings.model_fields]
     for variable in sorted(variables):
         name = variable.upper()  # as pydantic compares names

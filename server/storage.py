@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mapper.core.errors import MapperError
 
-RECORDS_FILE = "library.db"  #: the records of a service that names no other database, below ``library``
+RECORDS_FILE = "library.db"  #: the records of a service without another database, below ``library``
 
 
 class StorageError(MapperError):
@@ -19,22 +19,22 @@ class StorageError(MapperError):
 
 
 def disk_full() -> StorageError:
-    """Return the error for what cannot be written."""
+    """Return the error for data that cannot be written."""
     return StorageError("log.storage", "The server could not store the log; its disk may be full.")
 
 
 def private_folder(folder: Path) -> None:
-    """Make a folder that no other account of the machine looks into, if it is not there. Raises :class:`OSError`."""
+    """Create a folder that no other account of the machine can read, if it is missing. Raises :class:`OSError`."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    with contextlib.suppress(OSError):  # another account's folder, which it has opened to this one
+    with contextlib.suppress(OSError):  # another account's folder, which it has shared with this one
         folder.chmod(0o700)
 
 
 @contextmanager
 def claimed(folder: Path) -> Iterator[None]:
-    """Hold ``folder`` for this process alone: two services would remove each other's uploads.
+    """Hold ``folder`` exclusively for this process, because two services would remove each other's uploads.
 
-    Raises :class:`StorageError` where another holds it, and :class:`OSError`.
+    Raises :class:`StorageError` if another process holds it, and :class:`OSError`.
     """
     handle = os.open(folder, os.O_RDONLY)
     try:

@@ -1,6 +1,6 @@
 """The requests of :class:`server.client.Client`: an upload that resumes after a broken connection, and its errors.
 
-The client is a visitor of the service, as a browser is. Its visitor id is kept in a file, so that a file that is sent
+The client is a visitor of the service, like a browser. Its visitor id is stored in a file, so that a file that is sent
 twice is stored once, and an interrupted upload is resumed when the command is run again.
 """
 
@@ -28,24 +28,24 @@ from mapper.io.logs import log_files
 from mapper.io.maps.description import image_path, parse_description
 
 PIECE = 1 << 18
-TRIES = 6  #: consecutive attempts in which the service received nothing new
-#: The service's clock had run out, it has other bytes than were thought, it had too many requests, or it is not there.
+TRIES = 6  #: consecutive attempts in which the service received no new data
+#: A timeout of the service, other received bytes than assumed, too many requests, or an unavailable service.
 FOR_NOW = (408, 409, 429, 503)
-MOST_WAIT_S = 120.0  #: that a Retry-After is followed
+MOST_WAIT_S = 120.0  #: longest wait of a Retry-After that is followed
 
 Progress = Callable[[float], None]
 
 
 class ClientError(MapperError):
-    """The service cannot be reached, or it refuses a request: then ``code`` and ``message`` are the service's."""
+    """The service cannot be reached, or refuses a request; ``code`` and ``message`` are then the service's."""
 
 
 @contextmanager
 def as_one_file(path: Path) -> Iterator[Path]:
     """Yield a file with the log, the map or the depth images at ``path``.
 
-    The same files give the same archive, with the same digest. Raises :class:`ReadError` for a folder of neither, and
-    for a map's yaml whose image is not beside it.
+    The same files yield the same archive, with the same digest. Raises :class:`ReadError` for other folders, and for a
+    map's yaml whose image is not in the same folder.
     """
     files = _files_of(path)
     if len(files) == 1:
@@ -54,7 +54,7 @@ def as_one_file(path: Path) -> Iterator[Path]:
     with tempfile.NamedTemporaryFile(suffix=".tar") as packed:
         with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as archive:
             for name, log in files:
-                info = tarfile.TarInfo(name[-100:])  # the last characters hold the number of the part
+                info = tarfile.TarInfo(name[-100:])  # the last characters contain the number of the part
                 with log.open("rb") as file:
                     info.size = os.fstat(file.fileno()).st_size
                     archive.addfile(info, file)
@@ -93,7 +93,7 @@ def sent(
 ) -> Mapping[str, Any]:
     """Send the file, with at most :data:`TRIES` attempts without progress; return the record of the log.
 
-    Between two attempts it waits as long as a refusal states in Retry-After, or longer.
+    Between two attempts it waits at least as long as a refusal states in Retry-After.
     """
     key = digest[:40]
     before, tries = -1, 0
@@ -132,14 +132,14 @@ class _RefusedForNowError(Exception):
 
 
 def _unless_refused(answer: httpx.Response) -> httpx.Response:
-    """Return an answer; raise :class:`_RefusedForNowError`, or :class:`ClientError` where it is refused for good."""
+    """Return an answer; raise :class:`_RefusedForNowError`, or :class:`ClientError` for a permanent refusal."""
     if answer.status_code in FOR_NOW:
         raise _RefusedForNowError(answer)
     return accepted(answer)
 
 
 def _retry_after_s(answer: httpx.Response) -> float:
-    """Return how many seconds a refusal asks to wait, at most :data:`MOST_WAIT_S`; 0 where it does not say it."""
+    """Return the wait in seconds that a refusal states, at most :data:`MOST_WAIT_S`; 0 if it states none."""
     stated = answer.headers.get("Retry-After", "")
     return min(float(stated), MOST_WAIT_S) if stated.isdecimal() else 0.0
 
@@ -155,7 +155,7 @@ def _pieces(file: Path, offset: int, size: int, progress: Progress | None) -> It
 
 
 def request(client: httpx.Client, pause_s: float, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - passed on
-    """Send a request; where the connection is cut, again, :data:`TRIES` times at most."""
+    """Send a request; if the connection is lost, repeat it at most :data:`TRIES` times."""
     for attempt in range(TRIES - 1):
         try:
             return client.request(method, path, **options)
@@ -165,7 +165,7 @@ def request(client: httpx.Client, pause_s: float, method: str, path: str, **opti
 
 
 def accepted(answer: httpx.Response) -> httpx.Response:
-    """Return ``answer``, or raise :class:`ClientError` with the service's sentence where it is a refusal."""
+    """Return ``answer``, or raise :class:`ClientError` with the service's sentence for a refusal."""
     if answer.is_success:
         return answer
     raise ClientError(*_refusal(answer))
@@ -180,9 +180,9 @@ def _refusal(answer: httpx.Response) -> tuple[str, str]:
 
 
 def visitor_id(visitors: Path | None, base: str) -> str:
-    """Return the visitor id for the service at ``base`` from the file ``visitors``; a new id is stored there.
+    """Return the visitor id for the service at ``base`` from the file ``visitors``; store a new id there.
 
-    Without a file, or where that cannot be written, the id is new.
+    Without a file, or if that cannot be written, the id is new.
     """
     if visitors is None:
         return secrets.token_urlsafe(18)

@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 
 def package_version() -> str:
-    """Return the version of the package, or ``0+checkout`` for a checkout that is not installed."""
+    """Return the version of the package, or ``0+checkout`` for an uninstalled checkout."""
     try:
         return version("gridbloom")
     except PackageNotFoundError:

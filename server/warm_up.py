@@ -1,4 +1,4 @@
-"""Compiling all kernels beside the service, and loading those of the lab: the first visitor does not wait for it."""
+"""Compiles all kernels in the background, and loads those of the lab, so that the first visitor does not wait."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ END_S = 5.0  #: seconds that the process has to end
 
 @contextmanager
 def left_out() -> Iterator[None]:
-    """Have the cyclic collector not run in the block, and leave out afterwards what is there.
+    """Disable the cyclic collector in the block, and exclude the existing objects from it afterwards.
 
-    It would stop all threads for a tenth of a second again and again to look through what the block loads.
+    It would stop all threads for a tenth of a second again and again to traverse the objects loaded by the block.
     """
     gc.disable()
     try:
@@ -29,7 +29,7 @@ def left_out() -> Iterator[None]:
 
 
 def load_sessions() -> None:
-    """Load what sessions need and the first one would otherwise load: their code, the simulator, the lab's kernels.
+    """Load what the first session would otherwise load: the code of sessions, the simulator, the lab's kernels.
 
     Kernels that were never compiled on this machine are left to the session that first uses them.
     """
@@ -44,29 +44,29 @@ def load_sessions() -> None:
         if any(cache_folder("mapping").rglob("*.nbi")):
             from mapper.tools.precompile import precompile_lab  # noqa: PLC0415
 
-            with single_threaded():  # threads would not be there in the workers that are forked from this process
+            with single_threaded():  # threads would be missing in the workers forked from this process
                 precompile_lab()
 
 
 class WarmUp:
-    """A process of the lowest priority that compiles the kernels and keeps them on disk; it ends at once if they are.
+    """A process of the lowest priority that compiles the kernels and stores them on disk, if that is not done.
 
     The service then loads them in milliseconds, those of the lab as soon as the process has ended. A kernel that is
-    used before it is compiled there is compiled by the service itself. The process ends with the service, however that
-    ends: it sees the end of its standard input.
+    needed earlier is compiled by the service itself. The process ends with the service, for whatever reason, because it
+    detects the end of its standard input.
     """
 
     def __init__(self) -> None:
         self.process: subprocess.Popen[bytes] | None = None
 
     def begin(self) -> None:
-        """Begin the process; where the system has no room for another one, nothing happens."""
+        """Start the process; if the system has no room for another one, do nothing."""
         quiet = subprocess.DEVNULL
         with suppress(OSError):
             self.process = subprocess.Popen(  # noqa: S603 - nothing of it is anybody's input
                 COMMAND, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet
             )
-            os.setpriority(os.PRIO_PROCESS, self.process.pid, 19)  # it does so itself, after seconds of imports
+            os.setpriority(os.PRIO_PROCESS, self.process.pid, 19)  # it does so itself, but only after importing
             threading.Thread(target=self._load_after, args=(self.process,), name="loading", daemon=True).start()
 
     def _load_after(self, compiling: subprocess.Popen[bytes]) -> None:

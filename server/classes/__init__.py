@@ -1,4 +1,4 @@
-"""Classes: a lecturer shows a page, and many followers see the same on their own devices. Kept in memory only."""
+"""Classes: a lecturer shows a page, and many followers see it on their own devices. Kept only in memory."""
 
 from server.classes.classes import (
     ClassBudgetError,

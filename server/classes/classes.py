@@ -1,4 +1,4 @@
-"""All classes that are open, within limits of number and time."""
+"""All open classes, within limits of number and time."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from typing import Protocol
 from mapper.core.errors import MapperError
 from server.classes.classroom import MAX_NUMBERS, Classroom, Member
 
-#: Consonants, so that no words arise, without those that are easily taken for one another.
+#: Consonants, so that no words arise, without those that are easily confused.
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"
 LENGTH = 6
 MAX_CLASSES = 32
-MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and those that are lost
-#: Part of a class's places, and of its numbers, that one network address can take. A lecture hall behind one router is
-#: one address, so this is a whole hall: 300 of 400 places. The rest stays for others, so that who has learned the code
-#: and opens pages without end from one address keeps nobody out who comes by another, such as mobile data.
+MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and lost connections
+#: Share of a class's places, and of its numbers, that one network address can use. A lecture hall behind one router has
+#: one address, so this suffices for a whole hall: 300 of 400 places. The rest is reserved for other addresses, so that
+#: someone who knows the code and opens pages endlessly from one address locks out nobody on another, such as mobile
+#: data.
 ADDRESS_SHARE = 0.75
-LOOK_EVERY_S = 60.0  #: time between two looks for classes that their lecturers have left
-LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
-LOOK_FOR_PREPARED_S = 0.5  #: time between two looks whether another process has the prepared class
+LOOK_EVERY_S = 60.0  #: interval of checking for classes that their lecturers have left
+LONGEST_ABSENCE_S = 2 * 3600.0  #: a class ends after this time without its lecturer
+LOOK_FOR_PREPARED_S = 0.5  #: interval of checking whether another process has the prepared class
 
 
 def new_code() -> str:
@@ -33,14 +34,14 @@ def new_code() -> str:
 
 
 def normalised(code: str) -> str:
-    """Return a code as it was made, from what a person has typed: small letters, blanks and dashes are allowed."""
+    """Return a code in its canonical form. The typed code may have small letters, blanks and dashes."""
     return code.replace(" ", "").replace("-", "").upper()[:32]
 
 
 class Prepared(Protocol):
-    """Who has a class that is open from the start (``gridbloom serve --class``), in one process or among several.
+    """Holder of a class that is open from the start (``gridbloom serve --class``), in one process or among several.
 
-    Who opens a class first takes it over.
+    The first visitor who opens a class takes it over.
     """
 
     code: str
@@ -50,24 +51,24 @@ class Prepared(Protocol):
         """Whether nobody has taken the class over, and requests with its code reach this process."""
 
     def take_over(self) -> bool:
-        """Take the class over for a visitor of this process; return False where somebody has done so before."""
+        """Take the class over for a visitor of this process; return False if it was taken before."""
 
 
 class PreparedHere:
-    """Such a class of a service of one process."""
+    """The prepared class of a service with one process."""
 
     def __init__(self, code: str) -> None:
         self.code = code
         self.waits_here = True
 
     def take_over(self) -> bool:
-        """Take the class over; return False where somebody has done so before."""
+        """Take the class over; return False if it was taken before."""
         waited, self.waits_here = self.waits_here, False
         return waited
 
 
 class ClassNotFoundError(MapperError):
-    """There is no class of that code; it may have ended."""
+    """There is no class with that code; it may have ended."""
 
 
 class ClassRightError(MapperError):
@@ -88,9 +89,9 @@ class Classes:
         clock: Callable[[], float] = time.monotonic,
         is_own: Callable[[str], bool] = lambda _: True,
     ) -> None:
-        """``prepared`` is a class that is open from the start; who opens a class first takes it over.
+        """``prepared`` is a class that is open from the start; the first visitor who opens a class takes it over.
 
-        ``is_own`` says whether requests with a code reach this process.
+        ``is_own`` returns whether requests with a code reach this process.
         """
         self._max_followers = max_followers
         self._is_own = is_own
@@ -101,7 +102,7 @@ class Classes:
 
     @property
     def most_of_address(self) -> int:
-        """Followers of one address that a class has room for."""
+        """Maximum number of followers of a class from one address."""
         return math.ceil(ADDRESS_SHARE * self._max_followers)
 
     def open(self, owner: str) -> Classroom:
@@ -134,12 +135,12 @@ class Classes:
         return classroom
 
     def joined(self, code: str, visitor: str) -> Classroom | None:
-        """Return a class that a visitor is in, or was; None for any other code."""
+        """Return a class that a visitor has joined; None for any other code."""
         classroom = self.find(code)
         return classroom if classroom is not None and classroom.knows(visitor) else None
 
     def owned(self, code: str, visitor: str) -> Classroom | None:
-        """Return a class to its lecturer; None for any other code, and for anybody else."""
+        """Return a class to its lecturer; None for any other code, and for anyone else."""
         classroom = self.find(code)
         return classroom if classroom is not None and classroom.owner == visitor else None
 
@@ -150,7 +151,7 @@ class Classes:
     def check(self, classroom: Classroom, visitor: str, address: str = "") -> None:
         """Raise :class:`ClassRightError` or :class:`ClassBudgetError` if a visitor cannot join a class.
 
-        ``address`` is that of the visitor's network; empty if unknown. Who has joined before can come back.
+        ``address`` is that of the visitor's network, empty if unknown. Earlier members can return.
         """
         if classroom.knows(visitor):
             return
@@ -166,7 +167,7 @@ class Classes:
     def watching(self, classroom: Classroom, address: str) -> Iterator[None]:
         """Count a connection to the session that a class shows.
 
-        Raises :class:`ClassBudgetError` for an address that has as many as it may have followers.
+        Raises :class:`ClassBudgetError` if an address has as many connections as it may have followers.
         """
         if classroom.watching_from(address) >= self.most_of_address:
             raise _crowded_address()
@@ -174,9 +175,9 @@ class Classes:
             yield
 
     def join(self, code: str, visitor: str, address: str = "", *, follows: bool = False) -> tuple[Classroom, Member]:
-        """Join a class, ``follows`` as in :meth:`Classroom.join`.
+        """Join a class; ``follows`` is as in :meth:`Classroom.join`.
 
-        Raises as :meth:`get` and :meth:`check`, and for too many connections of a visitor.
+        Raises like :meth:`get` and :meth:`check`, and for too many connections of a visitor.
         """
         classroom = self.get(code)
         self.check(classroom, visitor, address)
@@ -185,24 +186,24 @@ class Classes:
         return classroom, classroom.join(visitor, address, follows=follows)
 
     def close(self, classroom: Classroom) -> None:
-        """End a class; everything about it is forgotten."""
+        """End a class, and delete all of its data."""
         self._classes.pop(classroom.code, None)
         classroom.end()
 
     async def watch(self) -> None:
-        """End the classes that their lecturers have left, now and then, until cancelled."""
+        """Periodically end the classes that their lecturers have left, until cancelled."""
         while True:
             self.end_abandoned()
             await asyncio.sleep(LOOK_EVERY_S)
 
     async def watch_prepared(self) -> None:
-        """Look now and then where the prepared class is, until cancelled: another process may have taken it over."""
+        """Periodically check where the prepared class is, because another process may have taken it over."""
         while True:
             self.find_prepared()
             await asyncio.sleep(LOOK_FOR_PREPARED_S)
 
     def find_prepared(self) -> None:
-        """Have the prepared class where it waits for its lecturer; send its followers on where it does so no longer."""
+        """Hold the prepared class while it waits here for its lecturer; otherwise redirect its followers."""
         if self._prepared is None:
             return
         code = self._prepared.code
@@ -212,7 +213,7 @@ class Classes:
             self._classes.pop(code).move()
 
     def end_abandoned(self) -> None:
-        """End the classes without their lecturer for longer than :data:`LONGEST_ABSENCE_S`."""
+        """End the classes that were without their lecturer for longer than :data:`LONGEST_ABSENCE_S`."""
         oldest = self._clock() - LONGEST_ABSENCE_S
         for class_ in [*self._classes.values()]:
             if class_.owner is not None and not class_.has_lecturer and class_.lecturer_seen < oldest:
@@ -220,7 +221,7 @@ class Classes:
 
 
 def unknown_class() -> ClassNotFoundError:
-    """Return the error for a code that no class has, and for one whose class is not the visitor's."""
+    """Return the error for an unknown code, and for a class that is not the visitor's."""
     return ClassNotFoundError("class.unknown", "There is no class with this code; it may have ended.")
 
 

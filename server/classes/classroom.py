@@ -1,9 +1,9 @@
-"""One class: who is in it, what the lecturer shows, and the question that is asked.
+"""One class: its members, what the lecturer shows, and the current question.
 
-As in the hub of a session there is no queue: each member has a set of the messages that it has not been sent in their
-newest form. A message is encoded once for all. Followers are known by the visitor's cookie while the class lasts, so
-that a phone that reconnects keeps its number and its answer; they get a number. Nothing else of them is kept, except
-how many numbers each network address was given.
+As in the hub of a session there is no queue: each member has a set of the unsent messages in their newest form. A
+message is encoded once for all. Followers are identified by the visitor's cookie while the class lasts, so that a phone
+that reconnects keeps its number and its answer. Nothing else is stored about them, except how many numbers each network
+address was given.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ from server.stream.class_messages import (
     StopCommand,
 )
 
-BINS = 10  #: parts of the points, 0 to 100, in the results
+BINS = 10  #: number of parts of the points, 0 to 100, in the results
 
 
 class RoomPuzzle:
-    """A puzzle that is given to a class. ``key`` says which it is; followers do not learn it."""
+    """A puzzle assigned to a class. ``key`` identifies it; followers do not receive it."""
 
     def __init__(self, key: str, title: str) -> None:
         self.key = key
@@ -56,7 +56,7 @@ class RoomPuzzle:
         self.progress: dict[int, Any] = {}  #: by number, the ``server.puzzles.game.Progress`` of all attempts
 
     def message(self, *, lecturer: bool) -> ClassPuzzle:
-        """Return the puzzle as the lecturer or a follower sees it."""
+        """Return the puzzle as seen by the lecturer or a follower."""
         solvers = sorted(self.solvers.values(), key=lambda solver: solver.number)
         solved = sum(solver.is_solved for solver in solvers)
         return ClassPuzzle(self.title, len(solvers), solved, solvers if lecturer else [])
@@ -70,13 +70,13 @@ class RoomPuzzle:
         return counts
 
 
-STATE_EVERY_S = 0.2  #: shortest time between two messages of the state
-AWAY_AFTER_S = 3.0  #: without a page of the lecturer's: it takes less to go from one page to another
+STATE_EVERY_S = 0.2  #: least time between two messages of the state
+AWAY_AFTER_S = 3.0  #: without a page of the lecturer; changing pages takes less
 MAX_QUESTIONS = 200
-MAX_NUMBERS = 10_000  #: of followers while the class lasts: who drops the cookie gets another number
-#: Commands with which a follower to whom the robot was handed may drive it.
+MAX_NUMBERS = 10_000  #: of followers while the class lasts; a follower who drops the cookie gets another number
+#: Commands with which a follower may drive the robot that was handed over.
 DRIVERS_COMMANDS = frozenset({"drive", "teleport", "auto"})
-#: What followers get of the address of the lecturer's page.
+#: The part of the lecturer's page address that followers receive.
 _PLACE = re.compile(r"(\?present)?(#[A-Za-z0-9_-]{0,100}(/[0-9]{1,4})?)?")
 _encoder = msgspec.json.Encoder()
 
@@ -85,14 +85,14 @@ class Member:
     """One connection of the lecturer or of a follower."""
 
     def __init__(self, number: int, address: str = "") -> None:
-        self.number = number  #: 0: the lecturer
+        self.number = number  #: 0 for the lecturer
         self.address = address  #: of its network
         self.wake = asyncio.Event()
         self.unsent: set[str] = set()
         self.answers: list[str] = []
 
     def send(self, message: ClassWelcome | ClassError) -> None:
-        """Send a message to this member alone."""
+        """Send a message to this member only."""
         self.answers.append(_encoder.encode(message).decode())
         self.wake.set()
 
@@ -102,26 +102,26 @@ class Classroom:
 
     def __init__(self, code: str, owner: str | None, clock: Callable[[], float] = time.monotonic) -> None:
         self.code = code
-        self.owner = owner  #: the lecturer's visitor id; None until somebody takes it over
-        self.place = ""  #: what a reverse proxy chose this service by when the class was opened
-        self.session: str | None = None  #: id of the session that is shown
+        self.owner = owner  #: the lecturer's visitor id; None until someone takes the class over
+        self.place = ""  #: the key by which a reverse proxy chose this service when the class was opened
+        self.session: str | None = None  #: id of the shown session
         self.stage = 0  #: number of that session, from 1
-        self.stage_over = asyncio.Event()  #: set once that session is not shown any more
+        self.stage_over = asyncio.Event()  #: set once that session is no longer shown
         self.view = ClassView("other")
         self.is_locked = self.has_ended = self.counts_joined_only = False
-        self.has_moved = False  #: whether another process has this class now
+        self.has_moved = False  #: whether another process now has this class
         self.driver: int | None = None
         self.questions: list[Question] = []
         self.asked: Question | None = None
-        self._asked_on: set[str] = set()  #: pages or slides on which it was asked and revealed
+        self._asked_on: set[str] = set()  #: pages or slides on which a question was asked and revealed
         self.puzzles: list[RoomPuzzle] = []
-        self.puzzle: RoomPuzzle | None = None  #: that is solved now
+        self.puzzle: RoomPuzzle | None = None  #: the current one
         self.members: set[Member] = set()
         self.lecturer_seen = clock()
         self._clock = clock
         self._numbers: dict[str, int] = {}  #: by visitor
         self._given: Counter[str] = Counter()  #: numbers, by address
-        self._watching: Counter[str] = Counter()  #: connections to the session that is shown, by address
+        self._watching: Counter[str] = Counter()  #: connections to the shown session, by address
         self._hands: set[int] = set()
         self._slots: dict[tuple[str, bool], str] = {}
         self._state_at = -STATE_EVERY_S
@@ -135,31 +135,31 @@ class Classroom:
 
     @property
     def present(self) -> int:
-        """Followers that are connected."""
+        """Number of connected followers."""
         return len({member.number for member in self.members if member.number})
 
     def present_of(self, address: str) -> int:
-        """Return how many followers are connected from an address."""
+        """Return the number of followers connected from an address."""
         return len({member.number for member in self.members if member.number and member.address == address})
 
     def given_to(self, address: str) -> int:
-        """Return how many followers of an address have got a number."""
+        """Return how many numbers were given to followers from an address."""
         return self._given[address]
 
     def places_taken(self, most_of_address: int) -> int:
-        """Return :attr:`present`, where an address counts as at most so many: those who came back are not refused."""
+        """Return :attr:`present` with at most ``most_of_address`` per address, so that members can return."""
         count = Counter(
             address for _, address in {(member.number, member.address) for member in self.members if member.number}
         )
         return self.present - sum(max(0, number - most_of_address) for number in count.values())
 
     def watching_from(self, address: str) -> int:
-        """Return how many connections an address has to the session that is shown."""
+        """Return the number of connections from an address to the shown session."""
         return self._watching[address]
 
     @contextmanager
     def watching(self, address: str) -> Iterator[None]:
-        """Count a connection to the session that is shown."""
+        """Count a connection to the shown session."""
         self._watching[address] += 1
         try:
             yield
@@ -168,22 +168,22 @@ class Classroom:
 
     @property
     def is_full(self) -> bool:
-        """Whether no further visitor gets a number."""
+        """Whether no further visitor can get a number."""
         return len(self._numbers) >= MAX_NUMBERS
 
     def connections_of(self, visitor: str) -> int:
-        """Return how many connections a visitor has."""
+        """Return the number of a visitor's connections."""
         numbers = {self._numbers.get(visitor), 0 if visitor == self.owner else None}
         return sum(member.number in numbers for member in self.members)
 
     def knows(self, visitor: str) -> bool:
-        """Whether a visitor has joined before."""
+        """Return whether a visitor has joined before."""
         return visitor == self.owner or visitor in self._numbers
 
     def join(self, visitor: str, address: str = "", *, follows: bool = False) -> Member:
-        """Return a new connection of the lecturer or a follower, to which the complete state will be sent.
+        """Return a new connection of the lecturer or a follower, which will receive the complete state.
 
-        A page of the lecturer's own browser that ``follows`` the class is a follower as any other.
+        A page in the lecturer's browser that ``follows`` the class counts as a follower.
         """
         number = self._follower(visitor, address) if follows else self.number_of(visitor, address)
         member = Member(number, address)
@@ -194,7 +194,7 @@ class Classroom:
         return member
 
     def counted_answer(self, member: Member) -> float | None:
-        """Return what a follower has answered to the question that is asked; None for nothing."""
+        """Return a follower's answer to the current question; None without one."""
         return None if self.asked is None else self.asked.answers.get(member.number)
 
     def leave(self, member: Member) -> None:
@@ -218,7 +218,7 @@ class Classroom:
         return not self.has_lecturer and self._clock() - self.lecturer_seen >= AWAY_AFTER_S
 
     def _look_for_lecturer(self) -> None:
-        """Tell the followers that the lecturer is away, once that is so."""
+        """Report to the followers that the lecturer is away, once that is the case."""
         if self._away_timer is not None:
             self._away_timer.cancel()
             self._away_timer = None
@@ -238,13 +238,13 @@ class Classroom:
         return out
 
     def may_drive(self, visitor: str, command: str) -> bool:
-        """Whether a follower may send a command to the session that is shown."""
+        """Return whether a follower may send a command to the shown session."""
         return command in DRIVERS_COMMANDS and self.driver is not None and self._numbers.get(visitor) == self.driver
 
     # -- commands -------------------------------------------------------------------------------------------------
 
     def handle(self, member: Member, command: ClassCommand) -> None:
-        """Carry out a command. Raises :class:`ConfigError` if it cannot be carried out."""
+        """Carry out a command. Raises :class:`ConfigError` if that is impossible."""
         match command:
             case AnswerCommand(question=number, value=value):
                 if self.asked is None or self.asked.id != number or not member.number:
@@ -295,10 +295,10 @@ class Classroom:
         self.view = view = _for_followers(view)
         if self.asked is not None and _page_of(view) not in self._asked_on:
             if self.asked.is_revealed:
-                self.asked = None  # its result would stand before what is shown next
+                self.asked = None  # its result would cover what is shown next
                 self._changed()
             elif not self.asked.is_closed:
-                self.asked.is_closed = True  # what is shown next may tell the answer
+                self.asked.is_closed = True  # what is shown next may contain the answer
                 self._changed()
         self._set("view", ClassViewMessage(view, self.stage if session is not None else 0))
 
@@ -311,7 +311,7 @@ class Classroom:
         self._asked_on = {_page_of(self.view)}
 
     def give_puzzle(self, key: str, title: str) -> None:
-        """Have the class solve a puzzle. Raises :class:`ConfigError` for one too many."""
+        """Assign a puzzle to the class. Raises :class:`ConfigError` if there are too many."""
         if len(self.puzzles) >= MAX_QUESTIONS:
             raise ConfigError("class.puzzles", f"A class has at most {MAX_QUESTIONS} puzzles.")
         self.puzzle = RoomPuzzle(key, title)
@@ -319,17 +319,17 @@ class Classroom:
         self._changed()
 
     def close_puzzle(self) -> None:
-        """Take the puzzle away. Its results are kept until the class ends."""
+        """Remove the puzzle. Its results are kept until the class ends."""
         self.puzzle = None
         self._changed()
 
     def solver_moved(self, puzzle: RoomPuzzle, solver: ClassSolver) -> None:
-        """Take how far a follower is."""
+        """Update the progress of a follower."""
         puzzle.solvers[solver.number] = solver
         self._changed()
 
     def number_of(self, visitor: str, address: str = "") -> int:
-        """Return the number of a follower, a new one for who has none; 0 of the lecturer."""
+        """Return the number of a follower, a new one if necessary; 0 for the lecturer."""
         return 0 if visitor == self.owner else self._follower(visitor, address)
 
     def _follower(self, visitor: str, address: str) -> int:
@@ -346,7 +346,7 @@ class Classroom:
         self._changed()
 
     def end(self) -> None:
-        """End the class: everybody is told, and the connections close."""
+        """End the class: notify all members and close the connections."""
         self.has_ended = True
         self._look_for_lecturer()
         self.driver = None
@@ -354,7 +354,7 @@ class Classroom:
         self._publish_state()
 
     def move(self) -> None:
-        """Close the connections, whose pages reach the process then that has the class."""
+        """Close the connections, so that their pages connect to the process that has the class."""
         self.has_moved = True
         for member in self.members:
             member.wake.set()
@@ -362,7 +362,7 @@ class Classroom:
     # -- messages -------------------------------------------------------------------------------------------------
 
     def _set(self, kind: str, message: ClassViewMessage | ClassExplained) -> None:
-        """Set a message to the followers."""
+        """Set a message for the followers."""
         self._slots[kind, False] = _encoder.encode(message).decode()
         self._tell(kind, to_lecturer=False)
 
@@ -373,7 +373,7 @@ class Classroom:
                 member.wake.set()
 
     def _changed(self) -> None:
-        """Send the state, now or when the last one is :data:`STATE_EVERY_S` old."""
+        """Send the state, now or once the last one is :data:`STATE_EVERY_S` old."""
         wait = self._state_at + STATE_EVERY_S - self._clock()
         if wait <= 0.0:
             self._publish_state()
@@ -403,18 +403,18 @@ class Classroom:
 
 
 def _for_followers(view: ClassView) -> ClassView:
-    """Return a view with nothing in its address but the section, or the slide and its step.
+    """Return a view whose address contains only the section, or the slide and its step.
 
-    An older page of a lecturer's has its deck there, with notes, hidden slides and slides to come.
+    The address of a lecturer's older page contains its deck, with notes, hidden slides and later slides.
     """
     place, slide = _PLACE.match(view.hash), view.slide
     if slide is not None and slide.address is not None and not slide.address.startswith("/shared/"):
-        # Whoever knows the id of a session, which may be in the address of the lab or of a log, can control it.
+        # Anyone with the id of a session, which may be in the address of the lab or of a log, can control it.
         slide = msgspec.structs.replace(slide, address=None)
     return msgspec.structs.replace(view, hash=place[0] if place else "", slide=slide)
 
 
 def _page_of(view: ClassView) -> str:
-    """Return the page that a view is of, and of the lecture as slides the slide without its step and deck."""
+    """Return the page of a view; for the lecture as slides, the slide without its step and deck."""
     hash_ = view.hash.partition("&")[0].partition("/")[0]
     return f"{view.page}{hash_}" if hash_.startswith("?present") else view.page

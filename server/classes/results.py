@@ -1,4 +1,4 @@
-"""The results of a class as a table: counts only, nothing about who answered what."""
+"""The results of a class as a table. It contains only counts, not who answered what."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from server.csv_text import as_text
 
 
 def results_csv(questions: Iterable[Question], puzzles: Iterable[RoomPuzzle] = ()) -> str:
-    """Return one line for each option, or part of the axis, of each question: RFC 4180, with a head.
+    """Return one line for each option, or part of the axis, of each question: RFC 4180, with a header.
 
-    Puzzles follow: how many began, named the cause and solved it, and how many have points in each tenth of 100.
+    Puzzles follow: how many followers began, named the cause and solved it, and how many have points in each tenth of
+    100.
     """
     out = io.StringIO()
     writer = csv.writer(out)

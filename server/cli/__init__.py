@@ -1,8 +1,8 @@
 """The ``gridbloom`` command.
 
-``serve`` runs the service, ``upload`` sends a log to one, ``notes`` gets the notes on it; all other commands work on
-files. Bad input is one sentence on standard error and exit status 2; a log that does not keep the limits of ``check``
-is exit status 1. With ``--json`` standard output is one JSON object and nothing else.
+``serve`` runs the service, ``upload`` sends a log to one, ``notes`` downloads the notes on it; all other commands work
+on files. Bad input is reported in one sentence on standard error, with exit status 2. A log that exceeds the limits of
+``check`` has exit status 1. With ``--json``, standard output is one JSON object and nothing else.
 """
 
 from __future__ import annotations

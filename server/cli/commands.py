@@ -1,6 +1,6 @@
-"""The ``gridbloom`` application object: a command's module is imported when the command is called.
+"""The ``gridbloom`` application object. A command's module is imported when the command is called.
 
-So the command starts quickly, and ``--help`` needs no module.
+The command therefore starts quickly, and ``--help`` needs no module.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typer.main import get_group
 
 from server.version import package_version
 
-#: The module of each command, its folder before it, and its function there, in the order of ``--help``.
+#: The folder and module of each command, and its function there, in the order of ``--help``.
 COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "serve": ("service.serve", "serve"),
@@ -60,7 +60,7 @@ def load(name: str) -> TyperCommand | TyperGroup:
 
 
 class _Command(TyperCommand):
-    """A command whose module is imported when it is called. What ``--help`` lists of it is read from its source."""
+    """A command whose module is imported when it is called. Its entry in ``--help`` is read from its source."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -79,7 +79,7 @@ class _Command(TyperCommand):
 
 
 class _Group(TyperGroup):
-    """All of :data:`COMMANDS`, those registered and those whose modules are imported later."""
+    """All of :data:`COMMANDS`, including those whose modules are not imported yet."""
 
     def __init__(self, **attributes: Any) -> None:  # noqa: ANN401 - those of typer
         super().__init__(**attributes)

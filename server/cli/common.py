@@ -1,4 +1,4 @@
-"""What commands share: options, errors, progress."""
+"""Shared parts of the commands: options, errors, progress."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from mapper.sensors.planar.options import BY_NAME as CUT_BY_NAME
 from mapper.sensors.planar.options import PlanarCut
 
 BAD_INPUT = 2  #: exit status
-MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three
+MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for all three
 
-#: Shorter or customary names of options; the table's own name is an option too.
+#: Shorter or customary names of options. The table's own names are options too.
 SHORT_NAMES = {
     "range_max": "--max-range",
     "log_odds_hit": "--hit",
@@ -66,10 +66,10 @@ FirstScans = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 
-#: Codes of files that are no map, or no cloud → what is said where they are logs.
+#: Codes of files that are no map, or no cloud → the sentence for those that are logs.
 _A_MAP = "This is a log, and a map is needed here. `gridbloom map {path} --out out/map` makes one: out/map.yaml."
 _A_CLOUD = "This is a log, and a file of a point cloud is needed here, as PCD, PLY or LAS."
-#: Errors of a log that should perhaps be read, and is not; the page has the same.
+#: Errors of a log that should perhaps be readable, but is not; the page uses the same.
 TO_REPORT = re.compile(r"log\.(unknown_format|binary|garbage|no_scans|version|header|beam\w*|not_a_number|range\w*)")
 NOT_A_LOG = {"map.yaml": _A_MAP, "map.key_missing": _A_MAP, "cloud.format": _A_CLOUD}
 
@@ -81,7 +81,7 @@ def fail(message: str) -> NoReturn:
 
 
 def make_folder_of(path: Path) -> None:
-    """Make the folder of a file that is to be written, or end the command with an error."""
+    """Create the folder of an output file, or end the command with an error."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -90,7 +90,7 @@ def make_folder_of(path: Path) -> None:
 
 @contextmanager
 def output_file(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file that appears whole or not at all; one that cannot be written ends the command with a sentence."""
+    """Open a file that is written completely or not at all; a file that cannot be written ends the command."""
     try:
         with atomic_write(path) as file:
             yield file
@@ -104,9 +104,9 @@ def _fail_to_write(path: Path, error: OSError) -> NoReturn:
 
 @contextmanager
 def refusing(path: Path, notes: Iterable[str] = ()) -> Iterator[None]:
-    """Report the mapper's errors on the file at ``path`` as one sentence, and a log in place of a map or a cloud.
+    """Report the mapper's errors about the file at ``path`` in one sentence, and a log in place of a map or a cloud.
 
-    Below the error of a limit are ``notes``, which may say why.
+    The error of a limit is followed by ``notes``, which may explain it.
     """
     try:
         yield
@@ -116,7 +116,7 @@ def refusing(path: Path, notes: Iterable[str] = ()) -> Iterator[None]:
 
 
 def _how_to_report(code: str) -> str:
-    """Return how to report a log that is not read, a line of its own; nothing for other errors."""
+    """Return how to report an unreadable log, on a separate line; empty for other errors."""
     if not TO_REPORT.fullmatch(code):
         return ""
     what = "writes what a report of it needs, without readings or names."
@@ -124,7 +124,7 @@ def _how_to_report(code: str) -> str:
 
 
 def _instead_of(path: Path, code: str) -> str | None:
-    """Return what to do where a file that was read as no map, or as no cloud, is a log; None where it is none."""
+    """Return what to do if a file that is no map, or no cloud, is a log; None if it is not."""
     sentence = next((text for begins, text in NOT_A_LOG.items() if code.startswith(begins)), None)
     if sentence is None:
         return None
@@ -134,7 +134,7 @@ def _instead_of(path: Path, code: str) -> str | None:
 
 
 def print_json(values: Mapping[str, object]) -> None:
-    """Print one object on one line; numbers that JSON lacks must have been replaced."""
+    """Print one object on one line. Numbers without a JSON representation must have been replaced."""
     typer.echo(json.dumps(values, allow_nan=False, ensure_ascii=False))
 
 
@@ -153,7 +153,7 @@ def _option(row: Parameter) -> inspect.Parameter:
     initial = first if row.kind != "flag" else ("on" if first else "off")
     bounds = f"; {row.low:g} to {row.high:g}{unit}" if row.kind == "number" else ""
     sentence = f"{row.sentence} [{initial}{unit if row.kind == 'number' else ''}{bounds}]"
-    # A number comes as it was typed, so that one that is none is refused in the table's own words.
+    # A number is passed as typed, so that an invalid one is refused with the table's own message.
     kind: Any = bool | None if row.kind == "flag" else str | None
     metavar = {"number": "NUMBER", "choice": "|".join(row.choices), "flag": None}[row.kind]
     annotation = Annotated[kind, typer.Option(*names, help=sentence, metavar=metavar, show_default=False)]
@@ -165,7 +165,7 @@ def with_parameter_options(
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command an option for each named row of the parameter table, in place of its ``**parameters``.
 
-    It gets one for each of the rows ``more`` of another table as well.
+    It also gets one for each of the rows ``more`` of another table.
     """
 
     def widened(command: Callable[..., None]) -> Callable[..., None]:
@@ -180,7 +180,7 @@ def with_parameter_options(
 
 
 def value_of(row: Parameter, text: str) -> object:
-    """Return the value of a typed parameter; text that is no value is returned unchanged, and the table refuses it."""
+    """Return the value of a typed parameter. Invalid text is returned unchanged, and refused by the table."""
     if row.kind == "choice":
         return text.replace("-", "_")
     if row.kind == "flag":
@@ -192,7 +192,7 @@ def value_of(row: Parameter, text: str) -> object:
 
 
 def given_values(rows: Mapping[str, Parameter], values: Mapping[str, object]) -> dict[str, Any]:
-    """Return the values of a table's options that were given, those that are not None."""
+    """Return the given values of a table's options, those that are not None."""
     return {
         name: value_of(rows[name], value) if isinstance(value, str) else value
         for name, value in values.items()
@@ -203,7 +203,7 @@ def given_values(rows: Mapping[str, Parameter], values: Mapping[str, object]) ->
 def set_values(rows: Mapping[str, Parameter], texts: Iterable[str], option: str = "--set") -> dict[str, object]:
     """Return the values of a table given by ``option`` as NAME=VALUE, or end the command with an error.
 
-    A name that is not in the table is returned with its text: the table refuses it.
+    An unknown name is returned with its text, and refused by the table.
     """
     values: dict[str, object] = {}
     for text in texts:
@@ -235,7 +235,7 @@ def configured(values: Mapping[str, object]) -> MappingConfig:
 
 
 def given_cut(values: dict[str, object]) -> PlanarCut:
-    """Take the options of planar cuts out of ``values``; return the cut, or end the command with an error."""
+    """Remove the options of planar cuts from ``values``; return the cut, or end the command with an error."""
     cut = given_values(CUT_BY_NAME, {name: values.pop(name) for name in CUT_BY_NAME if name in values})
     try:
         return PlanarCut(**cut)
@@ -249,7 +249,7 @@ def place(text: str) -> list[float]:
 
 
 def numbers(option: str, expected: str, count: int, text: str) -> list[float]:
-    """Return the ``count`` numbers of an option, or end the command with an error that says what is ``expected``."""
+    """Return the ``count`` numbers of an option, or end the command with an error that states what is ``expected``."""
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -261,7 +261,7 @@ def numbers(option: str, expected: str, count: int, text: str) -> list[float]:
 
 @contextmanager
 def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
-    """Yield a function that shows the progress, 0 … 1; None without a terminal."""
+    """Yield a function that shows the progress, 0 to 1; None without a terminal."""
     if not sys.stderr.isatty():
         yield None
         return

@@ -1,4 +1,4 @@
-"""Map files that commands write, and statistics of a map."""
+"""Map files written by commands, and statistics of a map."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from server.cli.common import fail, print_json, print_notes, refusing
 
 MODES = ("trinary", "scale", "raw")
 MapMode = Annotated[str, typer.Option("--mode", metavar="|".join(MODES), help="Kind of map file.")]
-MOST_HEAD = 1 << 16  #: bytes of a yaml in which its keys are looked for
+MOST_HEAD = 1 << 16  #: bytes of a yaml that are searched for its keys
 OUT_HELP = "Write PREFIX.yaml and its image, PREFIX.pgm (in mode scale PREFIX.png)."
 
 
@@ -33,7 +33,7 @@ def save(
     frame: str | None = None,
     offset: Offset = NO_OFFSET,
 ) -> list[Path]:
-    """Write a map, with the name of its frame where that is known; return the paths of its image and its yaml.
+    """Write a map, with the name of its frame if it is known; return the paths of its image and its yaml.
 
     ``offset`` (x, y) is added to its origin.
     """
@@ -43,7 +43,7 @@ def save(
 
 
 def states(grid: OccupancyGrid) -> dict[str, float]:
-    """Return how many cells are in which state, and what is known of them in bits."""
+    """Return the number of cells in each state, and the information of the map in bits."""
     metrics = map_metrics(grid)
     return {
         "occupied": metrics.occupied,
@@ -55,7 +55,7 @@ def states(grid: OccupancyGrid) -> dict[str, float]:
 
 
 def describe_map(path: Path, *, as_json: bool) -> bool:
-    """Print what the map is that a yaml describes; return whether the file is such a yaml."""
+    """Print the properties of the map that a yaml describes; return whether the file is such a yaml."""
     if path.suffix.lower() not in {".yaml", ".yml"} or not path.is_file():
         return False
 

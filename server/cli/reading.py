@@ -1,4 +1,4 @@
-"""Reading the logs that commands take."""
+"""Reading the logs that commands use."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from server.cli.common import fail, progress_bar, refusing
 def read_log(path: Path, topic: str | None = None, tum: Path | None = None, tf: str | None = None) -> ScanLog:
     """Return the log at ``path``, with the trajectory of ``tum``, or end the command with an error.
 
-    ``tf`` says which topic's transforms are taken.
+    ``tf`` is the topic of the transforms to use.
     """
     with refusing(path), progress_bar("Reading") as progress:
         log = open_log(path, topic=topic, tf=tf, progress=progress)
@@ -28,9 +28,9 @@ def read_log(path: Path, topic: str | None = None, tum: Path | None = None, tf: 
 def read_sensors(
     path: Path, topics: Sequence[str], tum: Path | None, cut: PlanarCut, tf: str | None = None
 ) -> tuple[ScanLog, ...]:
-    """Return the named sensors of a log, or those that make one map where none is named; otherwise as :func:`read_log`.
+    """Return the named sensors of a log; by default, those that make one map. See :func:`read_log`.
 
-    ``cut`` says how scans are cut out of clouds and depth images, and ``tf`` which topic's transforms are taken.
+    ``cut`` has the options for cutting scans out of clouds and depth images, and ``tf`` is the topic of the transforms.
     """
     with refusing(path), progress_bar("Reading") as progress:
         robot = open_robot_log(path, selection=Selection(tuple(topics), cut, tf), progress=progress)
@@ -45,9 +45,9 @@ def read_joint(path: Path, topics: Sequence[str], tum: Path | None = None, tf: s
 
 
 def with_corrections(path: Path, log: ScanLog, mapping: MappingConfig) -> ScanLog:
-    """Return the log with the correction of its mount and of its clock, as its map with these parameters has it.
+    """Return the log with the same correction of its mount and clock as its map with these parameters.
 
-    The command ends where the mounts of several sensors would be corrected.
+    Ends the command if the mounts of several sensors would be corrected.
     """
     check_mount(len(by_sensor(log)), mapping)
     with refusing(path):
@@ -55,7 +55,7 @@ def with_corrections(path: Path, log: ScanLog, mapping: MappingConfig) -> ScanLo
 
 
 def check_mount(n_sensors: int, mapping: MappingConfig) -> None:
-    """End the command where a correction of the mount was given, and several sensors are taken."""
+    """End the command if a correction of the mount was given for several sensors."""
     if n_sensors > 1 and (any(mapping.mount) or mapping.mount_upside_down):
         fail("A correction of the mount is for one sensor; give one --topic with it.")
 

@@ -15,20 +15,20 @@ from numpy.typing import NDArray
 from mapper.core.zstd import compressed
 from mapper.io.maps.images import Bands
 
-MEMORY_BYTES = 8 << 20  #: of compressed pixels that stay in memory; beyond it they go to a file
+MEMORY_BYTES = 8 << 20  #: of compressed pixels that stay in memory; further ones are written to a file
 ZSTD_LEVEL = 1
 
 
 class CompressedImage:
-    """An image of ``shape`` (rows, cols), in bands of whole rows, the top ones first.
+    """An image of ``shape`` (rows, cols), in bands of whole rows, from top to bottom.
 
-    Most of a large map is unobserved, so megabytes of pixels usually compress to some hundred kilobytes.
+    Most of a large map is unobserved, so megabytes of pixels usually compress to a few hundred kilobytes.
     """
 
     def __init__(self, shape: tuple[int, int], bands: Bands, folder: Path, check: Callable[[], None]) -> None:
-        """Compress ``bands`` (worker thread). ``check`` is called for each and may raise to end it."""
+        """Compress ``bands`` (worker thread). ``check`` is called for each and may raise to stop."""
         self.shape = shape
-        self._places: list[tuple[int, int, tuple[int, ...]]] = []  #: where each band begins, its bytes, its shape
+        self._places: list[tuple[int, int, tuple[int, ...]]] = []  #: start of each band, its bytes, its shape
         self._reading = threading.Lock()
         file = tempfile.SpooledTemporaryFile(max_size=MEMORY_BYTES, dir=str(folder))  # noqa: SIM115 - ends with the object
         self._file = file
@@ -44,7 +44,7 @@ class CompressedImage:
         self.nbytes = at
 
     def bands(self) -> Iterator[NDArray[np.uint8]]:
-        """Yield the bands as they came."""
+        """Yield the original bands."""
         decompressor = zstandard.ZstdDecompressor()
         for at, size, shape in self._places:
             with self._reading:

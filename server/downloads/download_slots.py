@@ -15,7 +15,7 @@ MAX_AT_ONCE = 8  #: running downloads of all visitors
 MAX_OF_GUESTS = 4  #: running downloads of all guests
 MAX_PER_KEY = 2  #: of one visitor, of one address, of one link
 MAX_WAITING = 8  #: waiting requests with one key
-WAIT_S = 30.0  #: a request waits no longer than this
+WAIT_S = 30.0  #: longest wait of a request
 
 
 class BusyError(LimitError):
@@ -31,7 +31,7 @@ class Requester:
 
 
 def requester(visitor: str, address: str | None, link: str | None) -> Requester:
-    """Return a requester: by visitor and by address, since cookies can be dropped, and for a guest by link."""
+    """Return a requester: by visitor and by address, because cookies can be dropped, and for a guest by link."""
     keys = [f"visitor {visitor}"]
     if address is not None:
         keys.append(f"address {network_of(address)}")
@@ -51,14 +51,15 @@ class DownloadSlots:
 
     @property
     def taken(self) -> int:
-        """Downloads that hold a slot."""
+        """Number of downloads that hold a slot."""
         return self._all
 
     @asynccontextmanager
     async def hold(self, who: Requester) -> AsyncIterator[None]:
         """Wait for a slot (first come, first served) and hold it during the block.
 
-        Raises :class:`BusyError` if none becomes free in time, or too many requests with one of its keys wait already.
+        Raises :class:`BusyError` if none becomes free in time, or too many requests with one of its keys are already
+        waiting.
         """
         if self._fits(who):
             self._take(who)

@@ -1,4 +1,4 @@
-"""The threads that produce downloads, of low priority, and the state that all downloads of a service share."""
+"""The low-priority threads that produce downloads, and the state shared by all downloads of a service."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from server.work.priority import lower_priority
 
 T = TypeVar("T")
 
-THREADS = 2  #: that take snapshots and encode images
+THREADS = 2  #: for taking snapshots and encoding images
 
 Check = Callable[[], None]
 
@@ -28,9 +28,9 @@ class StoppedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """A file: its name, its bytes in pieces, each made on a worker thread when it is sent, and their number if known.
+    """A file: its name, its bytes in pieces, each computed on a worker thread when it is sent, and its size if known.
 
-    ``close`` frees what it holds.
+    ``close`` releases its resources.
     """
 
     name: str
@@ -39,26 +39,26 @@ class Content:
     close: Callable[[], None] = lambda: None
 
 
-#: Makes the content of a download, on the event loop, once it holds a slot.
+#: Creates the content of a download, on the event loop, once it holds a slot.
 Make = Callable[[], Awaitable[Content]]
 
 
 class Downloads:
-    """The state that all downloads of one service share. Used on the event loop only."""
+    """The state shared by all downloads of one service. Used on the event loop only."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder  #: for temporary files, which have no names there
+        self.folder = folder  #: for temporary files, which are unnamed
         self.slots = DownloadSlots()
         self.map_snapshots = MapSnapshots()
-        self.export_turn = asyncio.Lock()  #: held while a log is exported: that takes a grid of its own
+        self.export_turn = asyncio.Lock()  #: held while a log is exported, because that needs its own grid
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="download", initializer=lower_priority)
         self._long = ThreadPoolExecutor(1, thread_name_prefix="export", initializer=lower_priority)
 
     async def run(self, work: Callable[[Check], T], *, takes_long: bool = False) -> T:
-        """Return ``work(check)`` from a worker thread, from one of its own kind if it ``takes_long``.
+        """Return ``work(check)`` from a worker thread, from a separate pool if it ``takes_long``.
 
-        ``work`` calls ``check`` often: it raises :class:`StoppedError` once this call was cancelled. A cancelled call
-        returns only when the thread has ended, so that what it held is free. Raises :class:`LimitError` where a
+        ``work`` calls ``check`` often, which raises :class:`StoppedError` once this call was cancelled. A cancelled
+        call returns only when the thread has finished, so that its resources are free. Raises :class:`LimitError` if a
         temporary file cannot be written.
         """
         stopped = threading.Event()
@@ -76,7 +76,7 @@ class Downloads:
             raise LimitError("log.storage", "The server could not make the file; its disk may be full.") from error
         except asyncio.CancelledError:
             stopped.set()
-            job.cancel()  # where it has not begun
+            job.cancel()  # if it has not started
             while not waiting.done():
                 await asyncio.wait([waiting])
             raise

@@ -18,19 +18,19 @@ MAX_NAMES = 256  #: of one session whose geometry is still known
 
 
 class MapSnapshotGoneError(MapperError):
-    """The image of a named snapshot is no longer kept."""
+    """The image of a named snapshot is no longer stored."""
 
 
 @dataclass(frozen=True, slots=True)
 class MapSnapshot:
-    """A map at one instant: the name of its files, its geometry, its image and its frame (None: not known).
+    """A map at one instant: the name of its files, its geometry, its image and its frame (None: unknown).
 
     ``offset`` (x, y) is to be added to the geometry's origin.
     """
 
     stem: str
     geometry: GridGeometry
-    image: CompressedImage | None  #: None once it is no longer kept
+    image: CompressedImage | None  #: None once it is no longer stored
     frame: str | None = None
     offset: Offset = NO_OFFSET
 
@@ -42,7 +42,7 @@ class _Entry:
 
 
 class SnapshottedSession(Protocol):
-    """The part of a session that is used here."""
+    """The interface of a session that is used here."""
 
     id: str
     closed: bool
@@ -58,7 +58,7 @@ class MapSnapshots:
     async def get(
         self, session: SnapshottedSession, name: str, make: Callable[[], Awaitable[MapSnapshot]]
     ) -> MapSnapshot:
-        """Return a session's snapshot ``name``; if the name is new, the one that ``make`` returns."""
+        """Return a session's snapshot ``name``; if the name is new, the result of ``make``."""
         if session.id not in self._sessions:
             self._sessions[session.id] = {}
             session.on_close.append(lambda: self._forget(session.id))
@@ -79,11 +79,11 @@ class MapSnapshots:
 
     @property
     def nbytes(self) -> int:
-        """Bytes of all images that are kept."""
+        """Bytes of all stored images."""
         return sum(_nbytes(entries) for entries in self._sessions.values())
 
     def _bound(self, newest: dict[str, _Entry]) -> None:
-        """Drop the oldest images of the session with most bytes until the limits hold."""
+        """Drop the oldest images of the session with the most bytes until the limits hold."""
         while len(_kept(newest)) > MAX_KEPT:
             _drop_oldest(newest)
         while self.nbytes > MAX_KEPT_BYTES:

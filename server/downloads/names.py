@@ -6,9 +6,9 @@ import re
 import unicodedata
 from urllib.parse import quote
 
-#: pattern of the name of a map snapshot, which becomes part of its file names
+#: pattern of a map snapshot's name, which becomes part of its file names
 SNAPSHOT_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,39}$"
-MAX_STEM_BYTES = 150  #: in UTF-8; file systems take 255 with all that is added
+MAX_STEM_BYTES = 150  #: in UTF-8; file systems allow 255 with everything that is added
 
 _ENDINGS = re.compile(r"\.(gz|zst|log|clf|bag|mcap|db3|csv|dat|txt|tar|tgz|relations|yaml|pgm|png)$", re.IGNORECASE)
 _UNSAFE = re.compile(r"[^\w.+-]+")  # \w: letters and digits of all scripts
@@ -34,7 +34,7 @@ def file_stem(title: str) -> str:
 def file_name(stem: str, ending: str, snapshot: str | None = None, title: str = "") -> str:
     """Return the name of a file; with ``snapshot`` it differs from that of the same map at another instant.
 
-    It is never ``title``, the name of the log's own file, which it would replace.
+    It never equals ``title``, the name of the log's own file, which it would replace.
     """
     name = f"{stem}{'' if snapshot is None else f'_{snapshot}'}"
     return f"{name}_gridbloom.{ending}" if f"{name}.{ending}" == title else f"{name}.{ending}"

@@ -1,6 +1,6 @@
 """The response of a download: wait for a slot, produce and send the file in pieces, stop if the client disconnects.
 
-A client may be slow: neither may a piece take too long, nor all of them together.
+There are time limits for a slow client: for each piece, and for all of them together.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from server.downloads.download_slots import Requester
 from server.downloads.downloads import Content, Downloads, Make
 from server.downloads.names import disposition
 
-STALLED_S = 30.0  #: within which a client must accept a piece
-LEAST_BYTES_PER_S = 32 << 10  #: mean over the whole download
+STALLED_S = 30.0  #: time in which a client must accept a piece
+LEAST_BYTES_PER_S = 32 << 10  #: average over the whole download
 PIECE_BYTES = 1 << 18  #: size of a piece that is sent
 _log = structlog.get_logger(__name__)
 
 
 class ClientPace:
-    """What the client of one download has accepted, and the time that this took.
+    """The data that the client of one download has accepted, and the time that this took.
 
-    Only the time of sending counts, not that in which the file is made. A client may be ``STALLED_S`` behind the least
-    mean rate, as one that is disconnected for a moment, or whose network stores much before it sends it on.
+    Only the time of sending counts, not that of creating the file. A client may be ``STALLED_S`` behind the least
+    average rate, for example after a short disconnection, or if its network buffers much.
     """
 
     def __init__(self) -> None:
@@ -41,19 +41,19 @@ class ClientPace:
 
     @property
     def figures(self) -> dict[str, float]:
-        """Return what a log tells of it."""
+        """Return the figures for the log."""
         return {"bytes": self._bytes, "seconds": round(self._seconds, 1)}
 
     def accept(self, nbytes: int, seconds: float) -> None:
-        """Note that the client has accepted a piece in this time."""
+        """Record that the client has accepted a piece in this time."""
         self._bytes += nbytes
         self._seconds += seconds
 
 
 class Download(Response):
-    """A file that is made once it holds a slot, and sent as it is made.
+    """A file that is created once the download holds a slot, and sent as it is created.
 
-    Errors before the first byte, :class:`server.downloads.BusyError` among them, are answered as JSON errors.
+    Errors before the first byte, including :class:`server.downloads.BusyError`, are answered as JSON errors.
     """
 
     def __init__(self, downloads: Downloads, who: Requester, make: Make, media_type: str) -> None:
@@ -83,7 +83,8 @@ class Download(Response):
         pace, clock = ClientPace(), asyncio.get_running_loop().time
         while piece:
             try:
-                # A file that is made at once, as a mesh, would have to be accepted in the time of one piece.
+                # A file that is created in one piece, such as a mesh, would have to be accepted in the time of one
+                # piece.
                 for start in range(0, len(piece), PIECE_BYTES):
                     part, began = piece[start : start + PIECE_BYTES], clock()
                     async with asyncio.timeout(pace.seconds_left):
@@ -97,7 +98,7 @@ class Download(Response):
 
 
 def _next(pieces: Iterator[bytes]) -> bytes:
-    """Return the next pieces, until they are enough to be sent; nothing at the end."""
+    """Return the next pieces, until there are enough to send; empty at the end."""
     data = bytearray()
     for piece in pieces:
         data += piece
@@ -107,7 +108,7 @@ def _next(pieces: Iterator[bytes]) -> bytes:
 
 
 async def _while_connected(receive: Receive, answering: Coroutine[Any, Any, None]) -> None:
-    """Await ``answering``; cancel it once the client has gone."""
+    """Await ``answering``; cancel it once the client has disconnected."""
     answer = asyncio.ensure_future(answering)
     gone = asyncio.ensure_future(_disconnected(receive))
     try:

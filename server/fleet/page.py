@@ -1,4 +1,4 @@
-"""What a fleet found of its logs: as a page, one file that needs no server, and as lines."""
+"""The results of a fleet's logs: as a page, one file that needs no server, and as lines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from server.fleet.run import Fleet, Result
 from server.library.processing.fleet.fleet_job import FleetFinding, MapFacts
 
 PAGE = "index.html"
-REFRESH_S = 3  #: how often the page loads itself again while logs are being done
+REFRESH_S = 3  #: interval at which the page reloads while logs are being mapped
 STYLE = """
 :root { color-scheme: light dark; font: 16px/1.4 system-ui, sans-serif; }
 body { margin: 0 auto; max-width: 96rem; padding: 1rem; }
@@ -30,7 +30,7 @@ ol.wall p, ol.wall ul { margin: 0; } ol.wall summary { cursor: pointer; min-heig
 ul.failed { padding-left: 1.1rem; } ul.failed li { margin: .3rem 0; overflow-wrap: anywhere; } code { font-size: .85em; opacity: .8; }
 """  # noqa: E501 - one line for each rule
 BY_NAME = "name"
-#: The orders besides that by name: in words, and the number of a map by which it goes, the greatest first.
+#: The orders other than by name: in words, and the value of a map to sort by, the greatest first.
 ORDERS: Mapping[str, tuple[str, Callable[[MapFacts], float | None]]] = {
     "drift": ("most drift first", lambda facts: facts.drift_m),
     "findings": ("most findings first", lambda facts: len(facts.findings)),
@@ -38,8 +38,8 @@ ORDERS: Mapping[str, tuple[str, Callable[[MapFacts], float | None]]] = {
     "scans": ("most scans first", lambda facts: facts.scans),
     "size": ("largest map first", lambda facts: math.prod(_size_m(facts))),
 }
-DRIFTS_M = (0.1, 0.3, 1.0)  #: least drifts of the maps that the page shows, metres
-#: Orders and finds the cards, as the address keeps it while the page loads itself again.
+DRIFTS_M = (0.1, 0.3, 1.0)  #: lower limits of drift for which the page can filter, metres
+#: Sorts and filters the cards as stated in the address, which is kept when the page reloads.
 SCRIPT = r"""
 const wall = document.querySelector(".wall"), cards = [...wall.children];
 const fields = [...document.querySelectorAll(".finder :is(input, select)")];
@@ -60,14 +60,14 @@ function show() {
 for (const field of fields) field.addEventListener("input", show);
 show();
 """
-#: Not while something is being typed or chosen. A page whose address has a fragment is not loaded again by ``refresh``.
+#: Not while the user types or chooses. A page whose address has a fragment is not reloaded by ``refresh``.
 RELOAD = f"""
 setInterval(() => document.activeElement.closest(".finder") || location.reload(), {1000 * REFRESH_S});
 """
 
 
 def ordered(results: Sequence[Result], order: str = BY_NAME) -> list[tuple[Result, MapFacts]]:
-    """Return the results with a map, by name or in one of :data:`ORDERS`; maps without that number come last."""
+    """Return the results with a map, by name or in one of :data:`ORDERS`; maps without that value come last."""
     mapped = sorted(
         ((result, result.facts) for result in results if result.facts is not None), key=lambda entry: entry[0].log
     )
@@ -78,7 +78,7 @@ def ordered(results: Sequence[Result], order: str = BY_NAME) -> list[tuple[Resul
 
 
 def line_of(result: Result, facts: MapFacts) -> str:
-    """Return what was found of a log, in a line."""
+    """Return the result of a log in one line."""
     first, *others = _sentences(facts)
     return f"{result.log}: {_measures(facts)}, {_run(facts)}. {first}{f' And {len(others)} more.' if others else ''}"
 
@@ -90,7 +90,7 @@ def write_page(fleet: Fleet, *, running: bool) -> None:
 
 
 def page(results: Sequence[Result], total: int, *, running: bool) -> str:
-    """Return the page, which loads itself again while the fleet is ``running``."""
+    """Return the page, which reloads itself while the fleet is ``running``."""
     cards = ordered(results)
     failed = sorted((result for result in results if result.failed), key=lambda failure: failure.log)
     state = "running" if running else "ended"

@@ -1,7 +1,8 @@
-"""A fleet of log files: each is given to one worker, and has one result in a folder, which a later run goes on from.
+"""A fleet of log files: each is mapped by one worker, and has one result in a folder, from which a later run continues.
 
-The results are files ``results/KEY.json``, written whole by this process alone (it holds the folder): a log has one
-however often its worker dies. The key is a digest of the log's path, size and time of its last change.
+The results are files ``results/KEY.json``, written atomically and only by this process (it holds the folder), so that a
+log has one result however often its worker dies. The key is a digest of the log's path, size and time of its last
+change.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from server.storage import StorageError, claimed
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Result of one log: ``facts`` what is known of it, or an error."""
+    """Result of one log: ``facts`` about it, or an error."""
 
     key: str
     log: str
@@ -52,11 +53,11 @@ class Result:
 
     @property
     def failed(self) -> bool:
-        """Whether there is no map of it."""
+        """Whether it has no map."""
         return self.facts is None
 
     def public(self) -> dict[str, object]:
-        """Return what its file holds."""
+        """Return the contents of its file."""
         error = {"code": self.code, "message": self.message} if self.failed else None
         facts = None if self.facts is None else asdict(self.facts)
         return {"log": self.log, "seconds": self.seconds, "runs": self.runs, "error": error, "facts": facts}
@@ -65,7 +66,7 @@ class Result:
 class Fleet:
     """The logs at ``paths`` and their results in ``folder``; used by one process at a time, see :meth:`held`.
 
-    All logs are read with the same ``options``; with others they have other results.
+    All logs are read with the same ``options``. Other options yield other results.
     """
 
     def __init__(
@@ -102,10 +103,10 @@ class Fleet:
             return  # none yet
 
     def run(self, workers: Sequence[Worker], done: Callable[[Result], None], *, again: bool = False) -> None:
-        """Have every log done that has no result yet, by all workers at once; ``again``: also those that failed.
+        """Map every log without a result, with all workers in parallel; ``again``: also those that failed.
 
-        ``done`` is called after each. An interrupt ends the workers; what is done stays. Raises :class:`ConfigError`
-        where a result cannot be written, and where the cluster is gone.
+        ``done`` is called after each. An interrupt ends the workers; finished results are kept. Raises
+        :class:`ConfigError` if a result cannot be written, and if the cluster is lost.
         """
         waiting: deque[str] = deque()
         for key in self.logs:
@@ -133,7 +134,7 @@ class Fleet:
                 worker.end()
 
     async def _done(self, key: str, worker: Worker) -> Result:
-        """Have a log done."""
+        """Map one log."""
         path, began = self.logs[key], time.monotonic()
         out = (self.folder / "maps" / key).absolute()
         job = FleetJob(str(path), str(out), str(out.with_name(f"{key}.png")), self._limits, options=self._options)
@@ -161,11 +162,11 @@ class Fleet:
 
 
 def key_of(path: Path, options: LogOptions) -> str:
-    """Return what names a log, its contents and how it is read in a folder of results."""
+    """Return the key of a log, its contents and the options of reading it, for a folder of results."""
     try:
         status = path.stat()
         what = f"{path.absolute()}\n{status.st_size}\n{status.st_mtime_ns}"
-    except OSError:  # its result says that it is missing
+    except OSError:  # its result reports that it is missing
         what = f"{path.absolute()}"
     if options != LogOptions():
         what += "\n" + json.dumps(asdict(options), sort_keys=True)
@@ -176,8 +177,8 @@ def key_of(path: Path, options: LogOptions) -> str:
 def workers_at(place: str | None, count: int | None, memory_bytes: int) -> Iterator[list[Worker]]:
     """Yield workers: processes of this machine, or of the Dask cluster whose scheduler is at ``place``.
 
-    ``count`` is how many logs are done at once; None: a log for each core or thread of a worker, which a cluster does
-    not exceed. Raises :class:`ConfigError` where there is no cluster, or one without workers that can map logs.
+    ``count`` is the number of logs mapped in parallel; None: one for each core or thread of a worker, which is the
+    maximum for a cluster. Raises :class:`ConfigError` if there is no cluster, or none of its workers can map logs.
     """
     workers: list[Worker]
     if place is None:

@@ -1,1 +1,1 @@
-"""HTTP: routes, security and the shape of errors."""
+"""HTTP: routes, security and the form of errors."""

@@ -1,7 +1,8 @@
-"""A brake on guesses: who has given many wrong secrets is refused for a while.
+"""A brake on guessing: a client with many wrong secrets is refused for a while.
 
-The wrong secrets of a network are counted together (an IPv6 address counts as its /64 network) and forgotten at an even
-rate. Whoever proves a right secret by a cookie is not concerned. Codes of classes have two, :class:`CodeGuesses`.
+The wrong secrets of a network are counted together (an IPv6 address counts as its /64 network), and the count decreases
+at a constant rate. Clients that prove a right secret by a cookie are not affected. Class codes have two brakes,
+:class:`CodeGuesses`.
 """
 
 from __future__ import annotations
@@ -16,24 +17,24 @@ from server.workers.shared import MAX_NETWORKS
 
 
 class Counts(Protocol):
-    """Numbers with the time at which each was set, by key."""
+    """Numbers by key, each with the time at which it was set."""
 
     def get(self, key: str) -> tuple[float, float]:
-        """Return the number of a key and its time; 0 and 0 for none."""
+        """Return the number of a key and its time; 0 and 0 if there is none."""
 
     def set(self, key: str, number: float, at: float) -> None:
         """Set the number of a key."""
 
 
 class OwnCounts:
-    """The newest ``size`` numbers, of one process."""
+    """The newest ``size`` numbers, for one process."""
 
     def __init__(self, size: int) -> None:
         self._size = size
         self._entries: OrderedDict[str, tuple[float, float]] = OrderedDict()  #: oldest first
 
     def get(self, key: str) -> tuple[float, float]:
-        """Return the number of a key and its time; 0 and 0 for none."""
+        """Return the number of a key and its time; 0 and 0 if there is none."""
         return self._entries.get(key, (0.0, 0.0))
 
     def set(self, key: str, number: float, at: float) -> None:
@@ -47,7 +48,7 @@ class OwnCounts:
 class Brake:
     """Allows ``burst`` wrong secrets of a network at once, and one more each ``60 / per_minute`` seconds.
 
-    ``counts`` are those of all processes of the service; None: it has one.
+    ``counts`` are shared by all processes of the service; None if there is only one.
     """
 
     def __init__(
@@ -75,10 +76,10 @@ class Brake:
 
 
 class CodeGuesses:
-    """Wrong codes of classes: few of one visitor, and many of one network.
+    """Wrong codes of classes: few for one visitor, and many for one network.
 
-    All of a lecture hall have one address, and some of them mistype: one who guesses is refused long before the hall
-    is. A visitor is known by a cookie and can drop it: what bounds guessing is the limit of the network.
+    A lecture hall shares one address, and some people mistype. A guessing visitor is refused long before the hall is. A
+    visitor is identified by a cookie and can drop it, so the limit of the network is what bounds guessing.
     """
 
     def __init__(
@@ -87,12 +88,12 @@ class CodeGuesses:
         of_visitor: Counts | None = None,
         of_network: Counts | None = None,
     ) -> None:
-        """Count for this process, or for all that share ``of_visitor`` and ``of_network``."""
+        """Count for this process, or for all processes that share ``of_visitor`` and ``of_network``."""
         self._of_visitor = Brake(burst=12, per_minute=12.0, clock=clock, counts=of_visitor)
         self._of_network = Brake(burst=300, per_minute=55.0, clock=clock, counts=of_network)
 
     def wait_s(self, visitor: str, address: str) -> float:
-        """Return the seconds for which a visitor's codes are refused, right ones too; 0 if they are not."""
+        """Return the seconds for which a visitor's codes, even right ones, are refused; 0 if they are not."""
         return max(self._of_visitor.wait_s(visitor), self._of_network.wait_s(address))
 
     def count(self, visitor: str, address: str) -> None:

@@ -14,14 +14,14 @@ from server.http.stream_connection import accepted, command_allowance
 from server.stream.class_messages import ClassCommand, ClassError
 from server.stream.close_codes import ENDED, POLICY, RESTARTING
 
-MAX_BYTES = 256 * 1024  #: of a message: an explanation of a cell has up to 300 updates
-MAX_REFUSED = 50  #: commands that were refused, before the socket is closed
+MAX_BYTES = 256 * 1024  #: of a message, because an explanation of a cell has up to 300 updates
+MAX_REFUSED = 50  #: refused commands after which the socket is closed
 
 _decoder = msgspec.json.Decoder(ClassCommand)
 
 
 async def attend(websocket: WebSocket, room: Classroom, member: Member) -> None:
-    """Accept the WebSocket of a member of a class, and exchange messages until it ends."""
+    """Accept the WebSocket of a class member, and exchange messages until it ends."""
     try:
         if not await accepted(websocket):
             return

@@ -27,9 +27,9 @@ def client_address(request: HTTPConnection) -> str:
 
 
 def chosen_place(request: HTTPConnection) -> str:
-    """Return what leads to this one of several services or workers; empty where there is only one.
+    """Return the key by which a reverse proxy finds this service or worker; empty if there is only one.
 
-    The ids of the sessions that a request begins start with it. A reverse proxy in front of several services states it
+    Ids of sessions that the request creates start with it. A reverse proxy in front of several services sends it
     (``deploy/haproxy.cfg``).
     """
     place = request.headers.get(PLACE_HEADER, "")
@@ -42,7 +42,7 @@ def chosen_place(request: HTTPConnection) -> str:
 async def while_connected(request: Request, work: Coroutine[Any, Any, T]) -> T:
     """Return the result of ``work``, or cancel it if the client disconnects. The body must have been read before.
 
-    Raises as ``work`` does, and :class:`MapperError` if the client has disconnected.
+    Raises like ``work``, and :class:`MapperError` if the client has disconnected.
     """
     working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_gone(request))
     try:
@@ -57,7 +57,7 @@ async def while_connected(request: Request, work: Coroutine[Any, Any, T]) -> T:
 
 
 async def to_its_end(work: Coroutine[Any, Any, T]) -> T:
-    """Return the result of ``work``, which runs on a thread that nothing interrupts; end no earlier when cancelled."""
+    """Return the result of ``work``, which runs on an uninterruptible thread; when cancelled, wait for its end."""
     working = asyncio.ensure_future(work)
     try:
         return await asyncio.shield(working)
@@ -71,9 +71,9 @@ async def _gone(request: Request) -> None:
 
 
 async def in_turn(request: Request, work: FairLock, visitor: str, compute: Callable[[], T]) -> T:
-    """Return what ``compute`` returns, on a thread; turns are by address, then by visitor.
+    """Return the result of ``compute``, run on a thread. Turns rotate by address, then by visitor.
 
-    Raises as :func:`while_connected`.
+    Raises like :func:`while_connected`.
     """
 
     async def computed() -> T:

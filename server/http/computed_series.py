@@ -1,4 +1,4 @@
-"""Series that no topic of a recording has: they are computed of the log's scans, its map and its pose graph."""
+"""Series that are not topics of a recording, but computed from the log's scans, its map and its pose graph."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from server.library.library import Library
     from server.sessions import SessionHost
 
-#: Names in place of topics; no topic of ROS has parentheses.
+#: Names used like topics; ROS topics contain no parentheses.
 MAP, SLAM, ERRORS, SCANS = COMPUTED = ("(map)", "(slam)", "(errors)", "(scans)")
 
 _OF_PATHS = (
@@ -31,14 +31,14 @@ _OF_PATHS = (
 
 
 def recording_of(session: SessionHost) -> Recording:
-    """Return the log of a session. Raises :class:`MapperError` for a live world."""
+    """Return the log of a session. Raises :class:`MapperError` for a simulation."""
     return part_of_log(session, Recording, "Only the recording of a log has series to plot, not a live world.")
 
 
 def errors_between(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions | None = None) -> Comparison:
-    """Return the errors of a log's trajectory against another one, at the times that plots of its scans have.
+    """Return the errors of a log's trajectory against another one, at the times of its scans' plots.
 
-    Raises as :func:`mapper.evaluation.compare_trajectories`.
+    Raises like :func:`mapper.evaluation.compare_trajectories`.
     """
     first, other = (TimedPoses(plot_stamps(log), log.trajectory(name).poses) for name in (reference, estimate))
     return compare_trajectories(first, other, options)
@@ -54,7 +54,7 @@ def _relative_errors(log: ScanLog, reference: str, estimate: str) -> Series:
 
 
 def graph_source(library: Library, owner: str, log_id: str) -> GraphSource:
-    """Return the function that reads the file of a trajectory's pose graph; None for one without."""
+    """Return the function that reads the file of a trajectory's pose graph; it returns None if there is none."""
     added = library.trajectories
 
     async def source(trajectory: str) -> bytes | None:
@@ -65,7 +65,7 @@ def graph_source(library: Library, owner: str, log_id: str) -> GraphSource:
 
 
 async def computed_fields(library: Library, session: SessionHost, owner: str) -> Mapping[str, Sequence[str]]:
-    """Return the names of the series that can be computed of a session's log, by :data:`COMPUTED`."""
+    """Return the names of the computable series of a session's log, by :data:`COMPUTED`."""
     await imported("mapper.replay.map_series", "mapper.slam.residuals")
     from mapper.replay.map_series import COLUMNS as OF_MAP  # noqa: PLC0415 - SciPy and SLAM, which few sessions need
     from mapper.slam.residuals import COLUMNS as OF_GRAPH  # noqa: PLC0415
@@ -84,15 +84,15 @@ async def computed_fields(library: Library, session: SessionHost, owner: str) ->
 
 
 def _compared(recording: Recording) -> tuple[str, str] | None:
-    """Return the two trajectories whose errors are told first; None for a log with one path."""
+    """Return the two trajectories whose errors are shown first; None for a log with one path."""
     pair = recording.compared()
     return None if pair is None or recording.same_paths().get(pair[1]) == pair[0] else pair
 
 
 async def computed_series(library: Library, session: SessionHost, owner: str, name: str) -> Series | float:
-    """Return a series of :data:`COMPUTED`, or the share that is done while it is computed.
+    """Return a series of :data:`COMPUTED`, or its completed share while it is computed.
 
-    Raises as :func:`mapper.replay.map_series.map_series` and :func:`errors_between`, and :class:`MapperError` for a
+    Raises like :func:`mapper.replay.map_series.map_series` and :func:`errors_between`, and :class:`MapperError` for a
     trajectory without a graph.
     """
     recording = recording_of(session)

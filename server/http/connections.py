@@ -1,8 +1,8 @@
 """Limits on open connections, in total and per address, before authentication.
 
-A connection without a running request is *waiting*: it was just opened, its headers are incomplete, or it is kept
-alive for another request. At the limit, a new connection replaces the one that has waited longest; if none waits, the
-new one is closed. Idle connections therefore cannot block new ones.
+A connection without a running request is *waiting*: it was just opened, its headers are incomplete, or it is kept alive
+for another request. At the limit, a new connection replaces the one that has waited longest; if none waits, the new one
+is closed. Idle connections therefore cannot block new ones.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import structlog
 from server.network_address import network_of
 
 BATCH = 32  #: connections accepted in one pass of the event loop
-SAY_EVERY_S = 10.0  #: minimum seconds between two log lines on refused connections
+SAY_EVERY_S = 10.0  #: least seconds between two log lines about refused connections
 DESCRIPTORS = 0.75  #: share of the file descriptors for connections; files and 3D views need the rest
 OUT_OF_RESOURCES = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
 
@@ -39,17 +39,17 @@ class _Open:
 
 
 class Elsewhere(Protocol):
-    """The connections of the other workers of a service that do not wait: only its own worker can end one that does."""
+    """The non-waiting connections of the other workers of a service; a waiting one can only be ended by its worker."""
 
     def others(self, network: str) -> tuple[int, int]:
-        """Return how many they have: in all, and of a network."""
+        """Return their numbers: in total, and for a network."""
 
     def add(self, network: str, number: int) -> None:
-        """Count ``number`` more of a network in this worker."""
+        """Add ``number`` to the count of a network in this worker."""
 
 
 class _Nowhere(Elsewhere):
-    """The other workers of a service of one process."""
+    """No other workers, for a service with one process."""
 
     def others(self, network: str) -> tuple[int, int]:  # noqa: ARG002
         return 0, 0
@@ -61,8 +61,8 @@ class _Nowhere(Elsewhere):
 class Connections:
     """The open connections, at most ``most`` and ``most_of_address`` from one address. Used on the event loop only.
 
-    Those ``elsewhere`` that do not wait count too. An IPv6 address counts as its /64 network. The limit on file
-    descriptors bounds how many are open here.
+    Non-waiting connections ``elsewhere`` count too. An IPv6 address counts as its /64 network. The limit on file
+    descriptors bounds the number of connections open here.
     """
 
     def __init__(self, most: int, most_of_address: int, elsewhere: Elsewhere | None = None) -> None:
@@ -74,7 +74,7 @@ class Connections:
         self._count: Counter[str] = Counter()  #: by network
         self._waiting: defaultdict[str, dict[int, None]] = defaultdict(dict)  #: by network, the longest waiting first
         self._all_waiting: dict[int, None] = {}
-        self._coming: set[int] = set()  #: accepted, and not yet with a protocol
+        self._coming: set[int] = set()  #: accepted, but without a protocol yet
         self._refused = 0
         self._said_s = -SAY_EVERY_S
 
@@ -105,11 +105,11 @@ class Connections:
         return True
 
     def made(self, descriptor: int) -> None:
-        """Note that a connection has its protocol."""
+        """Record that a connection has its protocol."""
         self._coming.discard(descriptor)
 
     def wait(self, descriptor: int, end: Callable[[], None]) -> None:
-        """Note that a connection waits for a request, and how to end it."""
+        """Record that a connection waits for a request, and how to end it."""
         connection = self._open.get(descriptor)
         if connection is None:
             return
@@ -120,7 +120,7 @@ class Connections:
         self._waiting[connection.network][descriptor] = None
 
     def work(self, descriptor: int) -> None:
-        """Note that a connection serves a request, or is a WebSocket."""
+        """Record that a connection serves a request, or is a WebSocket."""
         connection = self._open.get(descriptor)
         if connection is not None and descriptor in self._all_waiting:
             del self._all_waiting[descriptor]
@@ -128,7 +128,7 @@ class Connections:
             self._elsewhere.add(connection.network, 1)
 
     def closed(self, descriptor: int) -> None:
-        """Forget a connection."""
+        """Remove a connection."""
         self.made(descriptor)
         self.work(descriptor)
         connection = self._open.pop(descriptor, None)
@@ -172,7 +172,7 @@ class _Connection(socket.socket):
 
 
 def counted(accepted: socket.socket, address: str, connections: Connections) -> socket.socket | None:
-    """Return a connection that counts until it is closed; None, and it is closed, if the limit is reached."""
+    """Return a connection that is counted until it is closed. At the limit, close it and return None."""
     if not connections.admit(accepted.fileno(), address):
         accepted.close()
         return None
@@ -184,8 +184,8 @@ def counted(accepted: socket.socket, address: str, connections: Connections) -> 
 class Listener(socket.socket):
     """A duplicate of the listening socket ``bound`` that accepts connections up to the limits.
 
-    Where descriptors have run out, it gives up one that it keeps for that, to close the connection that waits:
-    otherwise the event loop would be woken for it without end, and log a traceback each time.
+    If there are no more file descriptors, it releases a spare one to close the waiting connection. Otherwise the event
+    loop would be woken for it endlessly, and log a traceback each time.
     """
 
     def __init__(self, bound: socket.socket, connections: Connections) -> None:

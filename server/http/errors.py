@@ -1,6 +1,6 @@
 """The JSON form of every error, ``{code, message, detail}``: a stable code, a sentence, and an optional detail.
 
-A browser that opens an address without a page is shown a page instead.
+A browser that opens the address of a missing page gets a page instead.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from server.work.memory import MemoryReserve, is_out_of_memory
 
 _log = structlog.get_logger(__name__)
 
-#: The first class that fits says the status. A code may have one of its own.
+#: The first matching class determines the status. Individual codes may have their own.
 _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (SessionNotFoundError, 404),
     (LinkGoneError, 404),
@@ -79,7 +79,7 @@ _STATUS_OF_CODE = {
     "trajectory.too_many": 409,
 }
 
-_BEGINNING = frozenset({"POST", "PUT", "PATCH"})  #: methods of requests that begin something
+_BEGINNING = frozenset({"POST", "PUT", "PATCH"})  #: methods of requests that start something
 
 
 def error_response(
@@ -97,7 +97,7 @@ def status_of(error: MapperError) -> int:
 
 
 def install_error_handlers(app: FastAPI) -> None:
-    """Register the handlers that give every error of the application this form."""
+    """Register the handlers that convert all errors of the application to this form."""
     app.add_exception_handler(MapperError, _mapper_error)  # type: ignore[arg-type] # for requests and sockets alike
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(RequestValidationError, _invalid_request)
@@ -106,7 +106,7 @@ def install_error_handlers(app: FastAPI) -> None:
 async def _mapper_error(connection: Request | WebSocket, error: Exception) -> JSONResponse | None:
     assert isinstance(error, MapperError)  # noqa: S101 - for the type checker: it is registered for this class
     if isinstance(connection, WebSocket):
-        # A browser shows nothing of a refused handshake: the socket is opened and closed, so that the page knows why.
+        # A browser reports nothing about a refused handshake, so the socket is opened and closed to tell the page why.
         if connection.application_state == WebSocketState.CONNECTING:
             await connection.accept(subprotocol=next(iter(connection.scope["subprotocols"]), None))
         await connection.close(REFUSED.code, error.code)
@@ -160,7 +160,7 @@ class CatchAll:
             else:
                 _log.exception("a request failed", method=scope["method"])
             if started:
-                raise  # part of the answer is sent: only closing the connection shows the failure
+                raise  # part of the answer is sent, so only closing the connection shows the failure
             response = (
                 out_of_memory()
                 if is_short
@@ -170,13 +170,13 @@ class CatchAll:
 
 
 def out_of_memory() -> JSONResponse:
-    """Return the answer to a request for which there is no memory."""
+    """Return the answer to a request for which memory is insufficient."""
     message = "The service has no memory left for this now."
     return error_response(503, "service.memory", message, headers={"Retry-After": "30"})
 
 
 class EnoughMemory:
-    """Middleware: refuse requests that begin something while memory is short; what is there can be read and deleted."""
+    """Middleware: refuse requests that start something while memory is short; reading and deleting still work."""
 
     def __init__(self, app: ASGIApp, reserve: MemoryReserve) -> None:
         self._app, self._reserve = app, reserve

@@ -1,4 +1,4 @@
-"""Files as answers and as bodies of requests, as the OpenAPI document describes them."""
+"""Files as answers and request bodies, as described in the OpenAPI document."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 from fastapi.responses import Response
 
-#: argument ``openapi_extra`` of a route's decorator where the body is a file, which the route reads as it arrives
+#: the argument ``openapi_extra`` of a route's decorator if the body is a file, which the route reads as it arrives
 FILE_BODY = {
     "requestBody": {
         "required": True,

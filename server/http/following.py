@@ -1,4 +1,4 @@
-"""Sessions that follow a job which gives their log another trajectory."""
+"""Sessions that follow a job which adds a trajectory to their log."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from server.library.processing.localization import LocalizeProgress
     from server.sessions import SessionHost
 
-_tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
+_tasks: set[asyncio.Task[None]] = set()  # of finished jobs, because asyncio itself keeps no reference
 
 
 class Report(Protocol):
@@ -35,7 +35,7 @@ class Report(Protocol):
 
     @property
     def stage(self) -> str:
-        """What is done now."""
+        """Current stage of the job."""
 
     @property
     def poses(self) -> NDArray[Any]:
@@ -52,14 +52,14 @@ def _follow(
     name: str,
     shown: Callable[[R], LocalizeProgress | None] = lambda _: None,
 ) -> None:
-    """Have a session show the map along the poses so far, as the trajectory ``name``.
+    """Make a session show the map along the poses so far, as the trajectory ``name``.
 
-    ``shown`` returns a report of which the session also shows the particles.
+    ``shown`` returns a report whose particles the session also shows.
     """
     session.enqueue(FollowPoses(name))
 
     def notify(report: R | None) -> None:
-        # Of reports that come faster than the map is made, the newest counts: there is another one soon.
+        # If reports come faster than the map is computed, only the newest counts; another one follows soon.
         if report is not None and not session.closed and not session.has_queued_commands:
             answer = shown(report)
             session.enqueue(PosesSoFar(report.poses, None if answer is None else answer.converged, answer))
@@ -68,16 +68,16 @@ def _follow(
 
 
 def join_jobs(library: Library, sessions: SessionRegistry, session: SessionHost) -> None:
-    """Have a new session follow the jobs on its log that are under way: its owner had another one when they began.
+    """Make a new session follow the running jobs on its log, whose owner had another session when they began.
 
-    That one may have been lost with its service.
+    That session may have been lost with its service.
     """
     recording = session.model.find(Recording)
     if recording is None or session.link is not None:
         return
     owner, log_id = session.owner, recording.log_id
 
-    with suppress(MapperError):  # the log was deleted meanwhile
+    with suppress(MapperError):  # the log was deleted in the meantime
         if library.slam.is_under_way(owner, log_id):
             follow_slam(session, library, log_id)
             tell_at_end(library, sessions, library.slam, owner, log_id)
@@ -87,22 +87,22 @@ def join_jobs(library: Library, sessions: SessionRegistry, session: SessionHost)
 
 
 def follow_slam(session: SessionHost, library: Library, log_id: str) -> None:
-    """Have a session show the map along the poses so far of SLAM of its log."""
+    """Make a session show the map along the poses that SLAM of its log has computed so far."""
     _follow(session, library.slam, log_id, SLAM)
 
 
 def follow_localization(session: SessionHost, library: Library, log_id: str) -> None:
-    """Have a session show the map along the poses so far of the localization of its log, and the particles."""
+    """Make a session show the map along the poses of its log's localization so far, and the particles."""
     _follow(session, library.localization, log_id, LOCALIZED, lambda report: report)
 
 
 def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, owner: str, log_id: str) -> None:
-    """Give the owner's sessions on the log the trajectory of the ended job; those that follow show it."""
+    """Add the finished job's trajectory to the owner's sessions on the log. Sessions that follow the job show it."""
 
     async def tell() -> None:
         result = jobs.result(owner, log_id)
         trajectory = None if result is None else result.trajectory
-        if trajectory is None:  # first back to the poses from before: those of the job are none of the library's
+        if trajectory is None:  # first return to the previous poses, because those of the job are not in the library
             end(None)
         await update_sessions(library, sessions, owner, log_id)
         if trajectory is not None:
@@ -117,7 +117,7 @@ def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, o
     async def quietly() -> None:
         try:
             await tell()
-        except (MapperError, ProtocolError):  # the log was deleted meanwhile, or a session takes no more commands
+        except (MapperError, ProtocolError):  # the log was deleted meanwhile, or a session accepts no more commands
             return
 
     def notify(report: object) -> None:
@@ -130,12 +130,12 @@ def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, o
 
 
 async def update_sessions(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:
-    """Let the open sessions of ``owner`` on a log have its present trajectories."""
+    """Update the trajectories in the open sessions of ``owner`` on a log."""
     for session in sessions.all():
         recording = session.model.find(Recording)
         if recording is None or recording.log_id != log_id or session.owner != owner or session.link is not None:
             continue
         view = recording.view()
         log = await library.load(owner, log_id, view.topic, view.planar_cut)
-        with suppress(ProtocolError):  # of too many commands; the next session on the log has them
+        with suppress(ProtocolError):  # too many commands; the next session on the log has them
             session.enqueue(UpdateLog(log))

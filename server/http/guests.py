@@ -1,6 +1,6 @@
-"""Rights of guests: visitors without the service's token who were given a link.
+"""Rights of guests: visitors without the service's token who follow a link.
 
-Each route declares its right with :func:`guests_may`; a route without a declaration is refused to guests.
+Each route declares its right with :func:`guests_may`; a route without a declaration refuses guests.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ Endpoint = TypeVar("Endpoint", bound=Callable[..., Any])
 
 
 class GuestRight(Enum):
-    """Guests that may call a route."""
+    """Which guests may call a route."""
 
     NEVER = "never"  #: no visitor without the token
-    ALWAYS = "always"  #: anybody: the address holds no data, or its path holds the secret of a link
-    LINKED_SESSION = "linked session"  #: anybody who knows the ``session_id`` of a session that was begun with a link
+    ALWAYS = "always"  #: anyone, because the address holds no data, or its path contains the secret of a link
+    LINKED_SESSION = "linked session"  #: anyone with the ``session_id`` of a session that was begun with a link
 
 
 def guests_may(right: GuestRight) -> Callable[[Endpoint], Endpoint]:
-    """Return a decorator that declares who may call an endpoint without the token. It goes below the route's own."""
+    """Return a decorator that declares who may call an endpoint without the token. Place it below the route's own."""
 
     def mark(endpoint: Endpoint) -> Endpoint:
         setattr(endpoint, _MARK, right)
@@ -44,7 +44,7 @@ def guest_right(endpoint: Callable[..., Any]) -> GuestRight:
 def right_of_request(routes: Sequence[BaseRoute], scope: Scope) -> tuple[GuestRight, dict[str, Any]]:
     """Return the right of the route that serves a request or a socket, and the parameters in its path.
 
-    ``routes`` are in the order in which the application tries them. Without a route for the path and the method the
+    ``routes`` are in the order in which the application tries them. If no route matches the path and the method, the
     right is ``NEVER``.
     """
     for route in routes:

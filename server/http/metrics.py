@@ -1,4 +1,4 @@
-"""Prometheus metrics, in a registry of their own."""
+"""Prometheus metrics, in their own registry."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Metrics:
         )
 
     def watch(self, sessions: SessionRegistry, kinds: Iterable[str]) -> None:
-        """Include the figures of ``sessions``, which are of these kinds, in each answer."""
+        """Include the figures of ``sessions``, which have these kinds, in each answer."""
         self._registry.register(_SessionCollector(sessions, tuple(kinds), self.traffic))
 
     def text(self) -> bytes:
@@ -37,9 +37,9 @@ class Metrics:
 
 
 def summed(texts: Iterable[bytes]) -> bytes:
-    """Return the sums of the figures that several workers of one service state in Prometheus' text format.
+    """Return the sums of several workers' figures, given in Prometheus' text format.
 
-    What tells when a figure was begun (``…_created``) is that of the first worker.
+    Creation times (``…_created``) are those of the first worker.
     """
     registry = CollectorRegistry()
     registry.register(_Summed([*map(bytes.decode, texts)]))

@@ -52,7 +52,7 @@ def built_file(request: Request, relative: str, cache: str) -> Response:
         path = (root / relative).resolve()
         # resolve() first, so that neither ".." nor a symbolic link leads out of the folder.
         exists = path.is_relative_to(root.resolve()) and path.suffix in TYPES and path.is_file()
-    except (OSError, RuntimeError):  # a name that is too long, a loop of symbolic links
+    except (OSError, RuntimeError):  # the name is too long, or there is a loop of symbolic links
         exists = False
     if not exists:
         raise HTTPException(404)
@@ -64,9 +64,9 @@ def built_file(request: Request, relative: str, cache: str) -> Response:
 
 
 def front_page(request: Request) -> Response:
-    """Return the front page, in which the address of its preview is absolute, as those who show links want it.
+    """Return the front page, with an absolute address of its preview, as programs that display links require.
 
-    Raises HTTPException 404 where the pages are not built.
+    Raises HTTPException 404 if the pages are not built.
     """
     root = find_pages()
     if root is None:
@@ -81,12 +81,12 @@ def front_page(request: Request) -> Response:
 
 
 def page_file(request: Request, name: str) -> Response:
-    """Return a page, or a file beside the pages."""
+    """Return a page, or another file in the folder of pages."""
     return built_file(request, name, "no-cache")
 
 
 def page_of_secret(request: Request, name: str, find: Callable[[], object], gone: type[MapperError]) -> Response:
-    """Return the page of an address with a secret, with status 404 where ``find`` raises ``gone``."""
+    """Return the page of an address with a secret, with status 404 if ``find`` raises ``gone``."""
     response = page_file(request, name)
     response.headers["X-Robots-Tag"] = "noindex"
     try:
@@ -104,7 +104,7 @@ def page_names() -> set[str]:
 
 
 def missing_page(request: Request) -> Response | None:
-    """Return the page for an address without a page, with status 404; None for a client that asks for no page."""
+    """Return the page for a missing page, with status 404; None for a client that does not request a page."""
     if request.method not in ("GET", "HEAD") or "text/html" not in request.headers.get("accept", ""):
         return None
     root = find_pages()

@@ -1,7 +1,7 @@
-"""How many requests of one visitor are answered each second: more of them wait.
+"""Limit of the requests of one visitor that are answered per second. Further ones wait.
 
-A request takes one to three milliseconds of the event loop, which all visitors share. Some hundreds a second of one
-visitor, also of refused ones, would delay everybody else's frames.
+A request takes one to three milliseconds of the event loop, which all visitors share. Several hundred per second from
+one visitor, even refused ones, would delay everyone else's frames.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from server.network_address import network_of
 from server.work.token_bucket import TokenBucket
 
 VISITOR_BURST, VISITOR_PER_S = 500.0, 30.0  #: a page takes 20 to 40 requests to open
-NETWORK_BURST, NETWORK_PER_S = 5000.0, 300.0  #: all of a lecture hall have one address
-MAX_WAIT_S = 10.0  #: longer than that no request waits: it is refused
-MAX_KNOWN = 8192  #: visitors and networks that are remembered
+NETWORK_BURST, NETWORK_PER_S = 5000.0, 300.0  #: a lecture hall shares one address
+MAX_WAIT_S = 10.0  #: a request that would wait longer is refused
+MAX_KNOWN = 8192  #: number of visitors and networks stored
 
 
 class RequestPace:
-    """Middleware inside of :class:`server.http.security.Security`, which tells visitors apart."""
+    """Middleware inside of :class:`server.http.security.Security`, which identifies visitors."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
         self._buckets: OrderedDict[tuple[str, str], TokenBucket] = OrderedDict()  #: longest unused first
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Forward a request in its turn, or refuse it where too many wait."""
+        """Forward a request in its turn, or refuse it if too many wait."""
         if scope["type"] != "http":  # the sockets of a visitor are limited in number
             await self._app(scope, receive, send)
             return

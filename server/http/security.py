@@ -1,6 +1,6 @@
 """Access checks: Host, Origin, the token, the visitor's cookie, security headers, and the size of bodies.
 
-Plain ASGI, so that WebSockets are checked as requests are and uploads are not buffered.
+Plain ASGI, so that WebSockets are checked like requests and uploads are not buffered.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from server.workers.places import VISITOR_COOKIE
 YEAR_S = 365 * 24 * 3600
 MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
 BODY_S = 30.0  #: seconds within which it must arrive
-#: PUT here limits its body itself while it arrives.
+#: PUT routes here limit their bodies themselves as they arrive.
 UPLOADS = re.compile(
     r"/api/logs|/api/(logs|sessions)/[^/]+/trajectories/[^/]+"
     r"|/api/sessions/[^/]+/(relations|localization/map-files)"
@@ -67,7 +67,7 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class Security:
-    """The outermost middleware."""
+    """Middleware inside of :class:`server.http.errors.Ending`; all others are inside of it."""
 
     def __init__(
         self,
@@ -86,7 +86,7 @@ class Security:
         token = None if settings.token is None else settings.token.get_secret_value()
         self._token = token
         self._sign_ins = sign_ins
-        #: Wrong tokens. Whoever has the cookie is not concerned.
+        #: Wrong tokens. Clients with the cookie are not affected.
         self._brake = Brake(burst=50, per_minute=30.0, counts=wrong_tokens)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -127,7 +127,7 @@ class Security:
             await self._app(scope, receive, send_with_headers)
 
     async def _while_valid(self, cookie: str, scope: Scope, receive: Receive, send: Send) -> None:
-        """Forward a WebSocket that was opened with a cookie; close it once the cookie has ended."""
+        """Forward a WebSocket that was opened with a cookie; close it once the cookie is no longer valid."""
         with self._sign_ins.watching(cookie) as ended:
             forwarded = asyncio.ensure_future(self._app(scope, receive, send))
             ending = asyncio.ensure_future(ended.wait())
@@ -137,7 +137,7 @@ class Security:
                     forwarded.cancel()
                     with suppress(asyncio.CancelledError):
                         await forwarded
-                    with suppress(OSError, RuntimeError):  # the browser has closed it meanwhile
+                    with suppress(OSError, RuntimeError):  # the browser has closed it in the meantime
                         await send({"type": "websocket.close", "code": SIGNED_OUT.code, "reason": "security.token"})
             finally:
                 ending.cancel()
@@ -161,7 +161,7 @@ class Security:
         return None if refusal is not None and refusal.status_code == 401 and self._guests_may(scope) else refusal
 
     def _host_allowed(self, host: str) -> bool:
-        """Return whether the Host header names this service. Prevents DNS rebinding by pages of other sites."""
+        """Return whether the Host header names this service, which prevents DNS rebinding by pages of other sites."""
         match = _NETLOC.fullmatch(host)
         if match is None:
             return False
@@ -194,7 +194,7 @@ class Security:
         if token is not None and self._is_token(token):
             if scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD"):
                 return None
-            # Move the token from the address into a cookie: addresses are copied, shared and kept in histories.
+            # Move the token from the address into a cookie, because addresses are copied, shared and kept in histories.
             rest = urlencode([(name, value) for name, value in query if name != "token"])
             path = "/" + scope["path"].lstrip("/\\")
             response: Response = RedirectResponse(path + (f"?{rest}" if rest else ""), status_code=303)
@@ -211,7 +211,7 @@ class Security:
         return self._token is not None and hmac.compare_digest(token.encode(), self._token.encode())
 
     def _guests_may(self, scope: Scope) -> bool:
-        """Whether the route may be called without the token."""
+        """Return whether the route may be called without the token."""
         right, parameters = right_of_request(self._routes, scope)
         if right is not GuestRight.LINKED_SESSION:
             return right is GuestRight.ALWAYS
@@ -221,7 +221,7 @@ class Security:
     # -- the visitor -----------------------------------------------------------------------------------------------
 
     def _identify(self, scope: Scope, cookies: dict[str, str]) -> str | None:
-        """Store the visitor's id in the scope; return it if the visitor is new, for the cookie."""
+        """Store the visitor's id in the scope; if the visitor is new, return it for the cookie."""
         known = cookies.get(VISITOR_COOKIE, "")
         visitor = known if _VISITOR.fullmatch(known) else secrets.token_urlsafe(18)
         scope.setdefault("state", {})["visitor"] = visitor
@@ -237,7 +237,7 @@ class Security:
 def _same_origin(origins: list[str], host: str) -> bool:
     """Return whether the Origin is the service's own, or absent.
 
-    Browsers send it with every WebSocket and unsafe request, other programs do not.
+    Browsers send it with every WebSocket and unsafe request; other programs do not.
     """
     if not origins:
         return True
@@ -268,7 +268,7 @@ async def _refuse_socket(receive: Receive, send: Send) -> None:
 
 
 async def _read_small(receive: Receive, headers: Headers) -> Message | Response:
-    """Return a request's body as one message, or the answer to one that is too large or too slow."""
+    """Return a request's body as one message, or the answer if it is too large or too slow."""
     declared = headers.get("content-length", "0")
     if declared.isascii() and declared.isdigit() and int(declared[:20]) > MAX_BODY_BYTES:
         return _cut(413, "request.too_large", f"A request has at most {MAX_BODY_BYTES} bytes.")
@@ -289,7 +289,7 @@ async def _read_small(receive: Receive, headers: Headers) -> Message | Response:
 
 
 def _cut(status: int, code: str, message: str) -> Response:
-    """Return an error answer that closes the connection: the rest of the request is not read."""
+    """Return an error answer that closes the connection, so that the rest of the request is not read."""
     return error_response(status, code, message, headers={"Connection": "close"})
 
 

@@ -37,7 +37,7 @@ class SeriesColumn:
 class SeriesAnswer:
     """The numbers of a topic's messages, or of a log's scans: ``times`` in seconds, ``samples`` before downsampling.
 
-    ``gaps`` are the pauses of the recording, from a sample to the next one, in seconds.
+    ``gaps`` are pauses of the recording, from one sample to the next, in seconds.
     """
 
     topic: str
@@ -61,8 +61,9 @@ class SeriesAnswer:
     ) -> Self:
         """Return the rows of a series from ``start`` to ``end``, seconds since ``origin_ns``; None: its ends.
 
-        At most ``2 · buckets`` rows, with the least and the greatest value of each bucket, or ``evenly`` whole rows of
-        samples; NaN is null. ``gaps`` are the ``buckets`` longest. ``more`` are fields of a subclass.
+        There are at most ``2 · buckets`` rows, with the least and the greatest value of each bucket, or if ``evenly``
+        complete rows of samples; NaN becomes null. ``gaps`` are the ``buckets`` longest. ``more`` are fields of a
+        subclass.
         """
         all_stamps, all_values = _between(series, origin_ns, start, end)
         if evenly:
@@ -91,19 +92,19 @@ class SeriesAnswer:
 
 
 def _written(value: float, *, is_double: bool) -> float | None:
-    """Return a number without the digits beyond its precision; None for one that JSON has not."""
+    """Return a number without the digits beyond its precision; None if JSON cannot represent it."""
     if not math.isfinite(value):
         return None
     return float(f"{value:.12g}") if is_double else round(value, 6)
 
 
 def json_answer(answer: object, status_code: int = 200) -> Response:
-    """Return an answer as JSON: long ones are encoded where they were made, not on the event loop."""
+    """Return an answer as JSON. Long ones are encoded where they were computed, not on the event loop."""
     return Response(msgspec.json.encode(answer), status_code=status_code, media_type="application/json")
 
 
 def _between(series: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
-    """Return the samples from ``start`` to ``end``, and one more at either end, so that lines reach the edge."""
+    """Return the samples from ``start`` to ``end``, and one more at each end, so that lines reach the edge."""
     low, high = 0, len(series.stamps_ns)
     if start is not None:
         low = max(0, int(np.searchsorted(series.stamps_ns, origin_ns + round(start * 1e9), side="left")) - 1)
@@ -113,7 +114,7 @@ def _between(series: Series, origin_ns: int, start: float | None, end: float | N
 
 
 def _gaps(of_all: Int64Array, stamps_ns: Int64Array, origin_ns: int, most: int) -> list[tuple[float, float]]:
-    """Return the gaps between ``stamps_ns``, ascending, in seconds; what is usual is that of the whole series."""
+    """Return the gaps in ``stamps_ns``, ascending, in seconds, relative to the usual interval of the whole series."""
     is_gap = are_gaps(np.diff(of_all).astype(np.float64) * 1e-9)
     first = int(np.searchsorted(of_all, stamps_ns[0])) if len(stamps_ns) else 0
     starts = np.flatnonzero(is_gap[first : first + max(0, len(stamps_ns) - 1)])

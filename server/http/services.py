@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Services:
-    """Everything that one running application holds. Made once, at start-up, and stored with :func:`install`."""
+    """All services of a running application. Created once, at start-up, and stored with :func:`install`."""
 
     settings: Settings
     metrics: Metrics
@@ -38,7 +38,7 @@ class Services:
     scenes: Scenes
     classes: Classes
     sign_ins: SignIns
-    worker: Worker | None = None  #: which one of several workers this is
+    worker: Worker | None = None  #: this worker, if there are several
     request_work: FairLock = field(default_factory=FairLock)  #: computations of requests: one at a time, in rotation
     code_brake: CodeGuesses = field(default_factory=CodeGuesses)
     #: Copies of a lecturer's world by one follower: each replays its whole history.
@@ -56,7 +56,7 @@ def services_of(app: Starlette) -> Services:
     return services
 
 
-# Dependencies are coroutines: FastAPI would run plain functions on a thread.
+# Dependencies are coroutines, because FastAPI would run plain functions on a thread.
 
 
 async def get_settings(connection: HTTPConnection) -> Settings:
@@ -95,7 +95,7 @@ async def get_classes(connection: HTTPConnection) -> Classes:
 
 
 async def get_code_brake(connection: HTTPConnection) -> CodeGuesses:
-    """Return the brake on guesses of classes' codes."""
+    """Return the brake on guessing class codes."""
     return services_of(connection.app).code_brake
 
 
@@ -111,14 +111,14 @@ async def get_puzzles(connection: HTTPConnection) -> Any:  # noqa: ANN401 - Fast
         await imported("server.puzzles.puzzles")
         from server.puzzles.puzzles import Puzzles  # noqa: PLC0415 - the simulator and the maps, imported with the first use
 
-        if not hasattr(state, "puzzles"):  # made by another request meanwhile
+        if not hasattr(state, "puzzles"):  # created by another request in the meantime
             state.puzzles = Puzzles()
     puzzles: Puzzles = state.puzzles
     return puzzles
 
 
 async def get_request_work(connection: HTTPConnection) -> FairLock:
-    """Return the lock under which a request computes on a thread."""
+    """Return the lock that a request holds while it computes on a thread."""
     return services_of(connection.app).request_work
 
 

@@ -1,6 +1,6 @@
-"""Access to logs by session: whoever has the address of a log's session acts for the visitor who opened it.
+"""Access to logs by session: anyone with the address of a log's session acts for the visitor who opened it.
 
-A session that was begun with a shared link is read-only, also for its own address.
+A session that was begun with a shared link is read-only, even through its own address.
 """
 
 from __future__ import annotations
@@ -27,19 +27,22 @@ class SessionOfLog:
 
     @property
     def owner(self) -> str:
-        """The visitor who began it, and whose library has the log."""
+        """The visitor who began it, and whose library contains the log."""
         return self.session.owner
 
     @property
     def log_id(self) -> str:
-        """The log."""
+        """Id of the log."""
         return self.recording.log_id
 
 
 def part_of_log(
     session: SessionHost, kind: type[T], problem: str = "This is possible with a log only, not with a simulation."
 ) -> T:
-    """Return what implements an interface in a session of a log. Raises :class:`MapperError`, with ``problem``."""
+    """Return the implementation of an interface in a session of a log.
+
+    Raises :class:`MapperError` with the message ``problem`` for another session.
+    """
     part = session.model.find(kind)
     if part is None:
         raise MapperError("session.not_a_log", problem)
@@ -53,7 +56,7 @@ def session_of_log(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
 
 
 def shareable_session(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Viewed]:
-    """Return a session that a link can share, and what it shows.
+    """Return a session that a link can share, and its view.
 
     Raises :class:`MapperError` for a session of another kind, and for one that was begun with a link.
     """
@@ -69,7 +72,7 @@ def _refuse_guests(session: SessionHost) -> None:
 
 
 def writable_session(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
-    """Return as :func:`session_of_log`; raise :class:`MapperError` for a session that was begun with a link as well."""
+    """Return the same as :func:`session_of_log`. Raises :class:`MapperError` also if it was begun with a link."""
     of_log = session_of_log(sessions, session_id)
     _refuse_guests(of_log.session)
     return of_log

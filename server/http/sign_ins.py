@@ -1,7 +1,7 @@
-"""The cookies by which browsers prove that they gave the service's token, and how they end.
+"""Cookies by which browsers prove that they have sent the service's token, and their expiry.
 
-A cookie holds the time at which it was given, a random name, and a keyed digest of both (HMAC-SHA-256, the key is made
-of the token): not the token, and nothing that can be made without it. It is valid for :data:`VALID_S`, until its
+A cookie contains its creation time, a random name, and a keyed digest of both (HMAC-SHA-256, the key is derived from
+the token). It does not contain the token, and cannot be created without it. It is valid for :data:`VALID_S`, until its
 browser signs out, until all are signed out, or until the service has another token.
 """
 
@@ -23,32 +23,32 @@ import structlog
 from mapper.core.atomic_file import atomic_write
 
 TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
-SIGNED_IN_COOKIE = "gridbloom_signed_in"  #: tells the pages that there is the other one, which they cannot read
-VALID_S = 30 * 24 * 3600  #: of a cookie
-MAX_ENDED = 4096  #: cookies that ended early, which are recorded; beyond it all that are as old as the oldest end
+SIGNED_IN_COOKIE = "gridbloom_signed_in"  #: tells the pages that the other cookie exists, which they cannot read
+VALID_S = 30 * 24 * 3600  #: validity of a cookie
+MAX_ENDED = 4096  #: number of recorded cookies that ended early; beyond it, all up to the oldest one's time end
 
-ALL = "*"  #: in the place of a name
+ALL = "*"  #: instead of a name
 _log = structlog.get_logger(__name__)
 
 
 class SignIns:
-    """Makes, checks and ends cookies. What ended is kept in ``file``, so that it stays ended after a restart.
+    """Creates, checks and ends cookies. Ended ones are stored in ``file``, so that they remain ended after a restart.
 
-    Any thread may end cookies: writing the file can take long.
+    Any thread may end cookies, because writing the file can take long.
     """
 
     def __init__(self, token: str | None, file: Path, clock: Callable[[], float] = time.time) -> None:
         self._key = None if token is None else hmac.digest(token.encode(), b"sign-in", hashlib.sha256)
         self._file = file
         self._clock = clock
-        self._ended: dict[str, int] = {}  #: by name, the time at which it was given
-        self._ended_until = 0  #: all that were given up to this time have ended
+        self._ended: dict[str, int] = {}  #: creation time by name
+        self._ended_until = 0  #: all cookies created up to this time have ended
         self._ending = threading.Lock()
         self._watches: dict[object, Callable[[], None]] = {}
         self._read()
 
     def cookie(self) -> str:
-        """Return the cookie of a browser that has given the token."""
+        """Return the cookie for a browser that has sent the token."""
         issued, name = max(int(self._clock()), self._ended_until + 1), secrets.token_hex(12)
         return f"{issued:x}.{name}.{self._digest(issued, name)}"
 
@@ -61,7 +61,7 @@ class SignIns:
         return self._ended_until < issued and name not in self._ended and self._clock() - issued < VALID_S
 
     def end(self, cookie: str) -> None:
-        """End one cookie. Raises :class:`OSError` if that cannot be recorded; it has ended all the same."""
+        """End one cookie. Raises :class:`OSError` if that cannot be recorded; it has ended nevertheless."""
         parsed = self._parsed(cookie)
         if parsed is None:
             return
@@ -72,9 +72,9 @@ class SignIns:
             self._write()
 
     def end_all(self) -> None:
-        """End all cookies that were given so far. Raises as :meth:`end`."""
+        """End all cookies created so far. Raises like :meth:`end`."""
         with self._ending:
-            # A cookie that was given in the second of an earlier end bears the next second.
+            # A cookie created in the second of an earlier end has the next second as its time.
             self._ended_until = max(int(self._clock()), self._ended_until + 1)
             self._ended = {}
             self._look()
@@ -82,11 +82,11 @@ class SignIns:
 
     @property
     def ended(self) -> Mapping[str, int]:
-        """Sign-ins that ended early: cookies by name with the time each was given; ``*``: all up to its time."""
+        """Cookies that ended early: creation times by name; ``*`` stands for all up to its time."""
         return {**self._ended, ALL: self._ended_until}
 
     def take_over(self, ended: Mapping[str, int]) -> None:
-        """End what other services on the same database have ended."""
+        """End cookies that other services on the same database have ended."""
         with self._ending:
             self._ended_until = max(self._ended_until, ended.get(ALL, 0))
             self._end({name: issued for name, issued in ended.items() if name != ALL})
@@ -94,9 +94,9 @@ class SignIns:
 
     @contextmanager
     def watching(self, cookie: str) -> Iterator[asyncio.Event]:
-        """Yield an event that is set once ``cookie`` is not valid: it was ended, or is too old.
+        """Yield an event that is set once ``cookie`` is no longer valid, because it was ended or expired.
 
-        For the event loop of the caller; cookies may be ended by other threads.
+        The event belongs to the caller's event loop; other threads may end cookies.
         """
         loop, over = asyncio.get_running_loop(), asyncio.Event()
 
@@ -135,7 +135,7 @@ class SignIns:
         return hmac.digest(self._key or b"", f"{issued:x}.{name}".encode(), hashlib.sha256).hex()
 
     def _parsed(self, cookie: str) -> tuple[int, str] | None:
-        """Return when a cookie of this service was given and its name; None for any other text."""
+        """Return the creation time and the name of a cookie of this service; None for any other text."""
         parts = cookie.split(".")
         if self._key is None or len(parts) != 3 or len(cookie) > 200:
             return None
@@ -154,7 +154,7 @@ class SignIns:
         except FileNotFoundError:
             return
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
-            # What had ended is not known: everybody has to give the token again.
+            # The ended cookies are unknown, so everyone must send the token again.
             _log.warning("the record of ended sign-ins cannot be read; all have ended", file=self._file.name)
             self._ended_until = int(self._clock())
 

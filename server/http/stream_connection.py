@@ -32,26 +32,26 @@ from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, type
 from server.work.movable_timer import MovableTimer
 from server.work.token_bucket import TokenBucket
 
-MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
+MAX_MALFORMED = 20  #: invalid frames after which the socket is closed
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
-LEAVING_S = 1.0  #: for pages to leave a session that their class does not show any more
+LEAVING_S = 1.0  #: time for pages to leave a session that their class no longer shows
 _ACKNOWLEDGEMENT = re.compile(rb'\{"type": ?"ack", ?"seq": ?([0-9]{1,10})\}')
-MAX_THROTTLED = 1200  #: commands that came too fast, before the socket is closed; forgotten after a rest
+MAX_THROTTLED = 1200  #: commands above the rate after which the socket is closed; reset after a rest
 
 _log = structlog.get_logger(__name__)
 
 
 def command_allowance() -> TokenBucket:
-    """Return what limits the commands of one client: above the rate they are read more slowly."""
+    """Return the limit for the commands of one client. Above the rate they are read more slowly."""
     return TokenBucket(COMMAND_BURST, COMMANDS_PER_S)
 
 
 @dataclass(frozen=True, slots=True)
 class Following:
-    """A client that follows the lecturer of a class: it sees the session, and its commands are refused.
+    """A client that follows the lecturer of a class. It sees the session, and its commands are refused.
 
-    ``may`` says whether a command of that type is allowed all the same. ``over`` is set once the class does not show
-    the session any more: the connection then ends.
+    ``may`` says whether a command of that type is allowed nevertheless. ``over`` is set once the class no longer shows
+    the session, which ends the connection.
     """
 
     may: Callable[[str], bool]
@@ -59,16 +59,16 @@ class Following:
 
 
 def speaks(websocket: WebSocket) -> bool:
-    """Return whether a page speaks the protocol of this version."""
+    """Return whether a page uses this version of the protocol."""
     return SUBPROTOCOL in websocket.scope["subprotocols"]
 
 
 async def accepted(websocket: WebSocket) -> bool:
-    """Accept the WebSocket of a page of this version; have a page of another one ask to be reloaded."""
+    """Accept the WebSocket of a page of this version; make other pages request a reload."""
     if speaks(websocket):
         await websocket.accept(subprotocol=SUBPROTOCOL)
         return True
-    # A browser lets a page hear its own subprotocol only.
+    # A browser accepts only a subprotocol that the page has offered.
     offered: list[str] = websocket.scope["subprotocols"]
     other = next((name for name in offered if name.startswith("gridbloom.")), None)
     await websocket.accept(subprotocol=other)
@@ -83,9 +83,7 @@ async def exchange(
 ) -> None:
     """Accept the WebSocket of a page and exchange messages until it ends, if fewer than ``max_clients`` have joined.
 
-    Followers of a class and others are counted apart.
-
-    Raises :class:`SessionBudgetError` before the socket is accepted.
+    Followers of a class are counted separately. Raises :class:`SessionBudgetError` before the socket is accepted.
     """
     if not speaks(websocket):
         await accepted(websocket)
@@ -116,7 +114,7 @@ async def exchange(
         done = await asyncio.gather(*tasks, return_exceptions=True)
         is_closed = websocket.application_state is WebSocketState.DISCONNECTED
         for result in done:
-            if isinstance(result, RuntimeError) and is_closed:  # one task sent what came after the other had closed it
+            if isinstance(result, RuntimeError) and is_closed:  # one task sent after the other had closed it
                 continue
             if isinstance(result, Exception) and not isinstance(result, WebSocketDisconnect):
                 _log.error("a stream failed", exc_info=result)
@@ -126,14 +124,14 @@ async def exchange(
 
 
 async def _leave(over: asyncio.Event) -> None:
-    """Return a while after ``over``: the page hears of it from the class and ends the connection without an error."""
+    """Return shortly after ``over``: the page learns of it from the class and ends the connection without an error."""
     await over.wait()
     await asyncio.sleep(LEAVING_S)
 
 
 async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
     if websocket.application_state is WebSocketState.CONNECTED:
-        # The browser may have disconnected meanwhile.
+        # The browser may have disconnected in the meantime.
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             await websocket.close(code.code, reason)
 
@@ -167,9 +165,9 @@ async def _send(websocket: WebSocket, session: SessionHost, client: Client, dire
 
 
 class Outgoing:
-    """Sends what a session's hub has for one client as it comes, without waking a task, which costs more than sending.
+    """Sends the messages for one client immediately, without waking a task, which would cost more than sending.
 
-    Anything else is left to the task that waits for :meth:`run`: the session's end, and a client that reads slowly.
+    Everything else is left to the task that waits for :meth:`run`: the session's end, and a client that reads slowly.
     """
 
     def __init__(self, session: SessionHost, client: Client, direct: DirectSocket) -> None:
@@ -180,10 +178,10 @@ class Outgoing:
         client.on_wake = self._schedule
 
     async def run(self) -> None:
-        """Send until there is something that only the task can do."""
+        """Send until something happens that only the task can handle."""
         self._is_running = True
         self._arm()
-        if self._client.wake.is_set():  # since the task last looked
+        if self._client.wake.is_set():  # since the task last checked
             self._schedule()
         self._client.wake.clear()
         try:
@@ -192,7 +190,7 @@ class Outgoing:
             self._is_running = False
 
     def close(self) -> None:
-        """Send nothing any more."""
+        """Stop sending."""
         self._client.on_wake = self._client.wake.set
         self._timer.close()
 
@@ -214,18 +212,18 @@ class Outgoing:
             if messages:
                 self._direct.write(_frames(session, messages))
             self._arm()
-        except BaseException:  # the task meets it too, and ends the connection
+        except BaseException:  # the task gets it too, and ends the connection
             client.wake.set()
             raise
 
     def _arm(self) -> None:
-        """Look again at the latest when the client says so."""
+        """Check again no later than the client requires."""
         self._timer.set_in(self._client.wait_s())
 
 
 def _messages(session: SessionHost, client: Client) -> list[str | bytes]:
     messages = client.take()
-    # Whoever knows the id of a session can control it.
+    # Anyone with the id of a session can control it.
     return [_without_id(message, session.id) for message in messages] if client.follows else messages
 
 
@@ -246,7 +244,7 @@ def _without_id(message: str | bytes, session_id: str) -> str | bytes:
 
 
 def _take_acknowledgement(session: SessionHost, client: Client, allowance: TokenBucket, data: bytes) -> bool:
-    """Take an acknowledgement, by far the most frequent command, without waking a task; return whether it was one."""
+    """Handle an acknowledgement, the most frequent command, without waking a task; return whether it was one."""
     match = _ACKNOWLEDGEMENT.fullmatch(data)
     if match is None or not allowance.try_to_spend():
         return False
@@ -274,12 +272,12 @@ async def _receive(
                 await _close(websocket, POLICY, "too many malformed frames")
                 return
         wait = allowance.spend()
-        # A busy service reads more slowly: a command without a wait does not mean that the flood is over.
+        # A busy service reads more slowly, so a command without a wait does not mean that the flood is over.
         throttled = 0 if allowance.has_rested else throttled + (wait > 0.0)
         if throttled > MAX_THROTTLED:
             await _close(websocket, POLICY, "too many commands")
             return
-        if wait > 0.0:  # the allowance also bounds how many commands are taken in one pass of the event loop
+        if wait > 0.0:  # the allowance also limits how many commands are read in one pass of the event loop
             await asyncio.sleep(wait)
 
 
@@ -312,9 +310,9 @@ def _take(session: SessionHost, client: Client, command: Command, following: Fol
 
 
 async def _set_within(event: asyncio.Event, seconds: float | None) -> None:
-    """Wait until ``event`` is set; it is set after ``seconds`` (None: never) all the same.
+    """Wait until ``event`` is set, which also happens after ``seconds`` (None: never).
 
-    It costs half of what ``asyncio.timeout`` costs, which counts where hundreds of clients wait for each tick.
+    It costs half as much as ``asyncio.timeout``, which matters if hundreds of clients wait for each tick.
     """
     timer = None if seconds is None else asyncio.get_running_loop().call_later(seconds, event.set)
     try:

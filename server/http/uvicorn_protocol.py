@@ -1,7 +1,7 @@
 """uvicorn's HTTP/1.1 protocol with a deadline for request headers and closable waiting connections.
 
 uvicorn itself has no time limit for the headers of a connection that has sent a byte, nor for the rest of a body after
-it has answered. Where the service has several workers, a connection whose next request is for another one is passed on.
+it has answered. If the service has several workers, a connection whose next request is for another one is handed over.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from server.http.connections import Connections
 from server.workers.handover import MAX_HEAD, Handover
 
-AGAIN_S = 0.02  #: seconds until a connection is passed on again whose worker has a full buffer
+AGAIN_S = 0.02  #: retry interval of handing a connection over to a worker with a full buffer
 REST_S = 60.0  #: seconds within which the rest of a body must arrive after its answer
 
 
 class HttpProtocol(H11Protocol):
     """One connection. Complete headers must arrive within ``header_s`` seconds.
 
-    ``handover`` passes connections on to other workers, None: there are none. ``passed_on`` is what another worker has
-    read of this one, whose first request is for this worker.
+    ``handover`` hands connections over to other workers; None if there are none. ``passed_on`` is the data of this
+    connection that another worker has read, whose first request is for this worker.
     """
 
     def __init__(
@@ -40,12 +40,12 @@ class HttpProtocol(H11Protocol):
         self._header_s = header_s
         self._handover = handover
         self._passed_on = passed_on
-        self._head = b""  #: what was read of a request whose worker is not known yet
+        self._head = b""  #: the read part of a request whose worker is not known yet
         self._deadline: asyncio.TimerHandle | None = None
         self._descriptor = -1
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait for a request."""
+        """Start waiting for a request."""
         super().connection_made(transport)
         self._descriptor = transport.get_extra_info("socket").fileno()
         self._open.made(self._descriptor)
@@ -73,10 +73,10 @@ class HttpProtocol(H11Protocol):
         return self.conn.their_state is h11.IDLE and self.conn.our_state is h11.IDLE and not self.conn.trailing_data[0]
 
     def _choose(self, handover: Handover) -> None:
-        """Pass the connection on, or answer the request here."""
+        """Hand the connection over, or answer the request here."""
         if self.transport.is_closing():
             return
-        # Of a client that has not read the last answer it cannot be: this process has what was not sent of it.
+        # Impossible if the client has not read the last answer, because this process has the unsent part.
         worker = None
         if b"\r\n\r\n" in self._head[:MAX_HEAD] and not self.transport.get_write_buffer_size():
             worker = handover.other(self._head, self.client[0] if self.client else "")
@@ -84,7 +84,7 @@ class HttpProtocol(H11Protocol):
             head, self._head = self._head, b""
             self._answer(head)
         elif handover.pass_on(worker, self._head, self._descriptor):
-            self.transport.abort()  # closes this process's descriptor only
+            self.transport.abort()  # closes only this process's descriptor
         else:
             self.transport.pause_reading()
             self.loop.call_later(AGAIN_S, self._choose_again, handover)

@@ -1,9 +1,9 @@
-"""Leases: of several services on one database, one at a time does a job.
+"""Leases: among several services on one database, only one at a time does a job.
 
-A lease is a row with its holder and a time, which the holder moves on while the job lasts. A service that is killed or
-cut off moves it no more, and another one takes the job. What came of a job is written in one transaction with the check
-that the lease is still held: two services never both write it. A database that one service has for itself needs none.
-All methods run on the event loop.
+A lease is a row with its holder and an expiry time, which the holder extends while the job lasts. A service that is
+killed or cut off no longer extends it, and another one takes the job over. The result of a job is written in one
+transaction with the check that the lease is still held, so that two services never both write it. A database used by
+one service needs no leases. All methods run on the event loop.
 """
 
 from __future__ import annotations
@@ -20,42 +20,42 @@ import structlog
 from mapper.core.errors import MapperError
 from server.storage import StorageError
 
-WAIT_S = 1.0  #: seconds between two checks whether another service has done a job, or no longer holds its lease
-WAITING_AT_ONCE = 20  #: jobs that are checked so often; more of them are checked less often
-RENEWALS = 5  #: of a lease in the time for which it is valid
+WAIT_S = 1.0  #: interval of checking whether another service has done a job, or no longer holds its lease
+WAITING_AT_ONCE = 20  #: number of jobs that are checked at this interval; more of them are checked less often
+RENEWALS = 5  #: renewals of a lease during its validity
 
 _log = structlog.get_logger(__name__)
 
 
 class LeaseLostError(MapperError):
-    """The lease was not renewed in time: another service may do the job."""
+    """The lease was not renewed in time, so another service may do the job."""
 
 
 class LeaseRows(Protocol):
-    """The leases that one service holds, where several services share them. All methods raise :class:`StorageError`."""
+    """The leases of one service, if several share them. All methods raise :class:`StorageError`."""
 
     async def take(self, name: str) -> bool:
-        """Take a lease unless another service holds it; return whether it was taken."""
+        """Acquire a lease unless another service holds it; return whether it was acquired."""
 
     async def renew(self, name: str, fraction: float) -> bool:
-        """Renew a lease, and state how much of its job is done; return False where it is not held any more."""
+        """Renew a lease, and store the completed share of its job; return False if it is no longer held."""
 
     def give_back(self, name: str) -> None:
-        """End a lease; what fails ends by itself."""
+        """Release a lease. If that fails, it expires."""
 
     async def finish(self, name: str, work: Callable[[Any], None]) -> None:
-        """Run ``work`` and end the lease in one transaction. Raises :class:`LeaseLostError`; then nothing was done."""
+        """Run ``work`` and release the lease in one transaction. Raises :class:`LeaseLostError`, without changes."""
 
     async def fraction(self, name: str) -> float | None:
-        """Return how much of a job the holder of its lease has done, None where there is no holder."""
+        """Return the completed share of a job from the holder of its lease, None if there is no holder."""
 
 
 @dataclass(frozen=True, slots=True)
 class Once:
-    """A job that one service does: ``turn`` is waited for here first.
+    """A job that only one service does. This service first waits for ``turn``.
 
-    ``is_open`` says whether it may have to be done as far as this service knows, ``is_due`` what the database says;
-    ``fraction`` returns how much of it is done.
+    ``is_open`` returns whether the job may have to be done as far as this service knows, ``is_due`` what the database
+    says; ``fraction`` returns the completed share.
     """
 
     name: str
@@ -67,31 +67,31 @@ class Once:
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """A lease that this service holds; ``rows`` is None where no other service could."""
+    """A lease that this service holds; ``rows`` is None if the database is not shared."""
 
     name: str
     rows: LeaseRows | None
 
     async def finish(self, work: Callable[[Any], None]) -> None:
-        """Run ``work`` on the connection of a transaction, and end the lease with it. Only of a shared database.
+        """Run ``work`` on the connection of a transaction that also releases the lease. Only for a shared database.
 
-        Raises :class:`LeaseLostError`, then nothing was done, and :class:`StorageError`.
+        Raises :class:`LeaseLostError` (then nothing was done), and :class:`StorageError`.
         """
         assert self.rows is not None  # noqa: S101 - stated above
         await self.rows.finish(self.name, work)
 
 
 class Leases:
-    """The leases of one service, in ``rows``; None: no other service uses the database, and all of them are free.
+    """The leases of one service, in ``rows``. None: no other service uses the database, and all leases are free.
 
-    ``lease_s`` is the time for which a lease of ``rows`` is valid.
+    ``lease_s`` is the validity of a lease of ``rows``.
     """
 
     def __init__(self, rows: LeaseRows | None, lease_s: float) -> None:
         self._rows = rows
         self._lease_s = lease_s
         self._waiting = 0
-        self.elsewhere: dict[str, float] = {}  #: how much of each job is done that is waited for here
+        self.elsewhere: dict[str, float] = {}  #: completed shares of jobs of other services that are waited for here
 
     @property
     def is_shared(self) -> bool:
@@ -101,7 +101,7 @@ class Leases:
     async def done_once(self, job: Once, work: Callable[[Lease], Awaitable[None]], *, adopted: bool = False) -> None:
         """Do ``work`` here, or return when another service has done the job.
 
-        One that was ``adopted`` was asked of another service, which may begin with it first. Raises as :meth:`held`.
+        An ``adopted`` job was requested from another service, which may start it first. Raises like :meth:`held`.
         """
         wait = adopted and self.is_shared
         while not wait or await self._free(job):
@@ -116,7 +116,7 @@ class Leases:
             wait = True
 
     async def _free(self, job: Once) -> bool:
-        """Wait until a job may be taken, and return True; False once it has been done."""
+        """Wait until a job may be acquired, and return True; return False once it has been done."""
         assert self._rows is not None  # noqa: S101 - all leases are free otherwise
         self._waiting += 1
         try:
@@ -124,7 +124,7 @@ class Leases:
                 await asyncio.sleep(WAIT_S * max(1.0, self._waiting / WAITING_AT_ONCE))
                 try:
                     done = await self._rows.fraction(job.name)
-                except StorageError:  # the database is away
+                except StorageError:  # the database is unavailable
                     continue
                 if done is None and job.is_open():
                     return True
@@ -136,7 +136,7 @@ class Leases:
 
     @asynccontextmanager
     async def alone(self, name: str) -> AsyncIterator[None]:
-        """Wait for a lease and hold it: among all services one at a time. Raises as :meth:`held`."""
+        """Wait for a lease and hold it, which only one service at a time can. Raises like :meth:`held`."""
         while True:
             async with self.held(name) as lease:
                 if lease is not None:
@@ -146,9 +146,9 @@ class Leases:
 
     @asynccontextmanager
     async def held(self, name: str, fraction: Callable[[], float] = lambda: 0.0) -> AsyncIterator[Lease | None]:
-        """Take a lease, renew it until the block ends, and give it back; None where another service holds it.
+        """Acquire a lease, renew it until the block ends, and release it; None if another service holds it.
 
-        The block is cancelled when the lease is lost, and :class:`LeaseLostError` raised. Raises
+        If the lease is lost, the block is cancelled and :class:`LeaseLostError` is raised. Raises
         :class:`StorageError`.
         """
         rows = self._rows
@@ -181,7 +181,7 @@ class Leases:
         lost: asyncio.Event,
         holder: asyncio.Task[object],
     ) -> None:
-        """Renew a lease until this is cancelled; cancel its ``holder`` when it is lost."""
+        """Renew a lease until this is cancelled; cancel its ``holder`` if it is lost."""
         renewed, is_held = time.monotonic(), True
         while is_held:
             await asyncio.sleep(self._lease_s / RENEWALS)
@@ -192,7 +192,7 @@ class Leases:
                     renewed = asked
             except TimeoutError:
                 is_held = False
-            except StorageError:  # tried again while the lease is valid
+            except StorageError:  # it is tried again while the lease is valid
                 is_held = time.monotonic() < renewed + self._lease_s
         lost.set()
         holder.cancel()

@@ -1,4 +1,4 @@
-"""The outcome of a job that a worker does, and its progress meanwhile."""
+"""The outcome of a job that a worker does, and its progress."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from server.jobs import workers
 from server.jobs.process import BoundedJob
 from server.jobs.workers import Worker
 
-LOOK_S = 0.2  #: how often a running job is looked at
+LOOK_S = 0.2  #: interval of checking a running job
 
 T = TypeVar("T")
 
@@ -21,16 +21,16 @@ T = TypeVar("T")
 async def outcome_of(
     worker: Worker, job: BoundedJob[T], code: str = "log.reader_died", look: Callable[[], Awaitable[None]] | None = None
 ) -> T:
-    """Have ``worker`` do ``job``, and return its result; ``look`` is called every :data:`LOOK_S` seconds while it does.
+    """Have ``worker`` do ``job``, and return its result; ``look`` is called every :data:`LOOK_S` seconds meanwhile.
 
-    Raises what the job raises, its error of time, and :class:`ReadError` with the ``code`` where its process was ended.
-    After an error of time, or when this is cancelled, the process is ended.
+    Raises the job's exceptions, its timeout error, and :class:`ReadError` with the ``code`` if its process was killed.
+    After a timeout, or when this is cancelled, the process is ended.
     """
     try:
         await worker.prepare()
         done = asyncio.wrap_future(worker.submit(job))
         done.add_done_callback(_read_error)
-        # Its process has as long to notice that its time is over; then the worker is not asked any more.
+        # Its process has as much time to notice its timeout; afterwards the worker is no longer polled.
         deadline = time.monotonic() + job.limits.timeout_s + 1.5 * workers.GRACE_S
         while not done.done():
             left = deadline - time.monotonic()
@@ -51,6 +51,6 @@ async def outcome_of(
 
 
 def _read_error(done: asyncio.Future[T]) -> None:
-    """Read the error of a cancelled job, for which no caller waits; asyncio would report it as not retrieved."""
+    """Retrieve the error of a cancelled job without a caller; asyncio would report it as not retrieved."""
     if not done.cancelled():
         done.exception()

@@ -1,7 +1,7 @@
-"""A queue of jobs on logs, with owners in rotation; each job is kept until it is done.
+"""A queue of jobs on logs that serves owners in rotation. Each job is stored until it is done.
 
-What a job does is a function of its owner. A job that the end of the service interrupts is begun again at the next
-start, and one of a service that was killed by another service on the same database. All methods run on the event loop.
+The result of a job depends on its owner. A job interrupted by the end of the service is restarted at the next start,
+and one of a killed service by another service on the same database. All methods run on the event loop.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from server.storage import StorageError
 from server.work.fair_lock import FairLock
 
 MOST_ATTEMPTS = 2  #: runs of one job that the end of the service may interrupt
-WRITTEN_AT_ONCE = 100  #: records in one transaction, so that others need not wait for thousands
+WRITTEN_AT_ONCE = 100  #: records in one transaction, so that other writers need not wait for thousands
 
 _log = structlog.get_logger(__name__)
 
@@ -35,7 +35,7 @@ Key = tuple[str, str]
 
 @dataclass(slots=True, eq=False)
 class Running(Generic[P]):
-    """A job while it is queued or runs. ``newest`` is what it has reported last, ``fraction`` how much of it is done.
+    """A queued or running job. ``newest`` is its last report, ``fraction`` the completed share.
 
     The listeners are called with the newest report, and with None once it has ended.
     """
@@ -48,7 +48,7 @@ class Running(Generic[P]):
     fraction: float = 0.0
 
     def tell(self, newest: P, fraction: float) -> None:
-        """Take a report, and pass it on."""
+        """Store a report, and pass it on."""
         self.newest, self.fraction = newest, fraction
         for listener in [*self.listeners]:
             listener(newest)
@@ -57,7 +57,7 @@ class Running(Generic[P]):
 class JobQueue(Generic[Q, P, R]):
     """The jobs of one kind. ``work`` does a job and returns its result.
 
-    ``changed`` is told of every new state of a job, and of those that are forgotten.
+    ``changed`` is called for every new state of a job, and for removed jobs.
     """
 
     def __init__(
@@ -76,21 +76,21 @@ class JobQueue(Generic[Q, P, R]):
         self.running: dict[Key, Running[P]] = {}
 
     async def start(self) -> None:
-        """Load the records, and begin again what an earlier run of the service did not finish.
+        """Load the records, and restart what an earlier run of the service did not finish.
 
         Raises :class:`StorageError`.
         """
         for record in await self._rows.load(self._kind):
             self._take(record)
             if record.is_unfinished and self._leases.is_shared:
-                self._queue(record, adopted=True)  # another service may be at it
+                self._queue(record, adopted=True)  # another service may be doing it
             elif record.is_unfinished and record.attempts < MOST_ATTEMPTS:
                 self._queue(replace(record, state="queued"))
             elif record.is_unfinished:
                 self._save(self._interrupted(record))
 
     async def follow(self, log_ids: Collection[str] | None = None) -> None:
-        """Take over what other services have changed of some logs, None: of any. Raises :class:`StorageError`."""
+        """Load the changes of other services for some logs, None: for all. Raises :class:`StorageError`."""
         rows = {(job.owner, job.log_id): job for job in await self._rows.load(self._kind, log_ids)}
         known = [key for key in self.records if log_ids is None or key[1] in log_ids]
         for key in [key for key in known if key not in rows]:
@@ -104,16 +104,16 @@ class JobQueue(Generic[Q, P, R]):
                 await self.stop(key)
 
     async def close(self) -> None:
-        """End the running jobs, which the next start begins again."""
+        """End the running jobs, which the next start of the service restarts."""
         self._closing = True
         for running in [*self.running.values()]:
             running.task.cancel()
         await asyncio.gather(*(job.task for job in self.running.values()), return_exceptions=True)
 
     async def ask(self, owner: str, log_id: str, request: Q) -> None:
-        """Queue a job on a log; where the kind ``joins``, one that is queued or running goes on instead.
+        """Queue a job on a log; if the kind ``joins`` and one is already queued or running, keep that one instead.
 
-        Raises :class:`LimitError` for one job too many, and :class:`StorageError`.
+        Raises :class:`LimitError` for too many jobs, and :class:`StorageError`.
         """
         kind = self._kind
         if kind.joins and (owner, log_id) in self.running:
@@ -153,7 +153,7 @@ class JobQueue(Generic[Q, P, R]):
             await asyncio.wait([running.task])
 
     async def stop_all(self, keys: Collection[Key]) -> None:
-        """End those of many jobs that are queued or running."""
+        """End the queued or running ones of many jobs."""
         tasks = [self.running[key].task for key in keys if key in self.running]
         for task in tasks:
             task.cancel()
@@ -161,24 +161,24 @@ class JobQueue(Generic[Q, P, R]):
             await asyncio.wait(tasks)
 
     def resize(self, places: int) -> None:
-        """Do as many jobs at once; those that are under way go on."""
+        """Set the number of concurrent jobs to ``places``; running ones continue."""
         self._turns.resize(places)
 
     async def forget(self, key: Key) -> None:
-        """End a job and forget it; its row goes with its log."""
+        """End a job and remove it. Its row is deleted with its log."""
         if self.records.pop(key, None) is not None:
             self._changed(key)
         await self.stop(key)
 
     async def forget_log(self, log_id: str) -> None:
-        """Forget the jobs of a log that was deleted."""
+        """Remove the jobs of a deleted log."""
         for key in [key for key in self.records if key[1] == log_id]:
             await self.forget(key)
 
     def listen(self, key: Key, listener: Callable[[P | None], None]) -> Callable[[], None]:
-        """Tell ``listener`` of a job that is queued or runs, and return a function that ends that.
+        """Call ``listener`` with the reports of a queued or running job, and return a function that ends that.
 
-        Where there is none it is told the end at once.
+        If there is no such job, the end is reported at once.
         """
         running = self.running.get(key)
         if running is None:
@@ -190,11 +190,11 @@ class JobQueue(Generic[Q, P, R]):
         return lambda: running.listeners.remove(listener) if listener in running.listeners else None
 
     def record(self, key: Key) -> JobRecord[Q, R]:
-        """Return the newest job of an owner on a log; its state is "none" where there was none."""
+        """Return the newest job of an owner on a log; its state is "none" if there was none."""
         return self.records.get(key) or JobRecord(log_id=key[1], owner=key[0], request=self._kind.request())
 
     def status(self, key: Key) -> JobStatus:
-        """Return the state of the newest job of an owner on a log, and how far it is."""
+        """Return the state and progress of the newest job of an owner on a log."""
         record, running = self.record(key), self.running.get(key)
         began = None if running is None else running.began
         elsewhere = self._leases.elsewhere.get(self._name(key), 0.0)
@@ -209,7 +209,7 @@ class JobQueue(Generic[Q, P, R]):
         )
 
     def fraction(self, key: Key) -> float:
-        """Return how much of a job is done, here or by another service."""
+        """Return the completed share of a job, done here or by another service."""
         running = self.running.get(key)
         return self._leases.elsewhere.get(self._name(key), 0.0) if running is None else running.fraction
 
@@ -250,10 +250,10 @@ class JobQueue(Generic[Q, P, R]):
         try:
             await self._leases.done_once(once, lambda lease: self._run_here(self.records[key], lease), adopted=adopted)
         except asyncio.CancelledError:
-            if not self._closing and is_open():  # else it is begun again at the next start
+            if not self._closing and is_open():  # otherwise the next start of the service restarts it
                 self._save(replace(self.records[key], state="cancelled", attempts=0))
             raise
-        except StorageError as error:  # the database of several services is away
+        except StorageError as error:  # the database of several services is unavailable
             _log.warning("job not done now", kind=kind.name, log=key[1], code=error.code)
         finally:
             for listener in [*self.running.pop(key).listeners]:
@@ -279,11 +279,11 @@ class JobQueue(Generic[Q, P, R]):
             failure = Failure(f"{kind.name}.failed", f"{kind.title} failed on this log.")
             done = replace(record, state="failed", error=failure, attempts=0)
             _log.exception("job failed", kind=kind.name)
-        if key in self.records:  # not deleted meanwhile
+        if key in self.records:  # not deleted in the meantime
             await self._finish(done, lease)
 
     async def _finish(self, record: JobRecord[Q, R], lease: Lease) -> None:
-        """Store what came of a job, and end its lease; as :meth:`_save`. Raises :class:`LeaseLostError`."""
+        """Store the result of a job, and release its lease; see :meth:`_save`. Raises :class:`LeaseLostError`."""
         if not self._leases.is_shared:
             self._save(record)
             return
@@ -293,9 +293,9 @@ class JobQueue(Generic[Q, P, R]):
         self._take(record)
 
     def _save(self, record: JobRecord[Q, R]) -> None:
-        """Store a changed record; if it cannot be written, it is valid until the next start."""
+        """Store a changed record. If it cannot be written, it is valid until the next start."""
         self._take(record)
-        with contextlib.suppress(MapperError):  # the log is gone
+        with contextlib.suppress(MapperError):  # the log was deleted
             self._rows.put(self._kind, [record]).add_done_callback(
                 lambda task: None if task.cancelled() else task.exception() and None
             )

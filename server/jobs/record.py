@@ -16,7 +16,7 @@ JobState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """Error of a job that failed: a stable code and one sentence."""
+    """Error of a failed job: a stable code and one sentence."""
 
     code: str
     message: str
@@ -24,9 +24,9 @@ class Failure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JobRecord(Generic[Q, R]):
-    """The newest job of one kind of ``owner`` on a log: what was requested and, once it is done, the result.
+    """The newest job of one kind of ``owner`` on a log: its request and, once it is done, its result.
 
-    ``attempts`` counts the runs that the end of the service interrupted.
+    ``attempts`` is the number of runs that the end of the service interrupted.
     """
 
     log_id: str
@@ -46,10 +46,10 @@ class JobRecord(Generic[Q, R]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JobStatus:
-    """What the HTTP interface shows of each job: its state, and how far it is.
+    """The state and progress of a job in the HTTP interface.
 
-    ``fraction`` of it is done, ``elapsed_s`` are seconds since it began (None: not yet, or elsewhere), ``ahead`` the
-    jobs that are done before it.
+    ``fraction`` is the completed share, ``elapsed_s`` are the seconds since it started (None: not started, or
+    elsewhere), ``ahead`` is the number of jobs that are done before it.
     """
 
     state: JobState
@@ -61,17 +61,18 @@ class JobStatus:
 
 
 def shared(status: JobStatus) -> dict[str, Any]:
-    """Return the fields that the state of each kind of jobs has, for the making of one."""
+    """Return the common fields of the states of all kinds of jobs, as arguments for creating one."""
     return {field.name: getattr(status, field.name) for field in fields(JobStatus)}
 
 
 @dataclass(frozen=True, slots=True)
 class JobKind(Generic[Q, R]):
-    """One kind of jobs: what its records hold, and how many there may be.
+    """One kind of jobs: the contents of its records, and the limits of their number.
 
-    ``name`` is in the codes of errors, ``title`` in the sentence of a defect, ``noun`` in those of too many jobs.
-    ``places`` are done at once; ``most_of_owner`` and ``most`` are unfinished ones of one visitor and of all.
-    A job that is asked for while one on the same log is under way is that one where ``joins``, and refused otherwise.
+    ``name`` is used in error codes, ``title`` in the message about an internal error, ``noun`` in those about too many
+    jobs. ``places`` is the number of concurrent jobs; ``most_of_owner`` and ``most`` are the maximum numbers of
+    unfinished ones of one visitor and of all. A request while a job on the same log is under way joins that job if
+    ``joins``, and is refused otherwise.
     """
 
     name: str
@@ -92,7 +93,7 @@ class JobRows(Protocol):
         """Return the records of a kind, oldest first; those of some logs, None: all."""
 
     def put(self, kind: JobKind[Q, R], records: Sequence[JobRecord[Q, R]]) -> asyncio.Future[None]:
-        """Keep records in the place of the owners' older ones; raises at once for a log that is gone."""
+        """Store records in place of the owners' older ones; raises immediately for a deleted log."""
 
     def writing(self, kind: JobKind[Q, R], record: JobRecord[Q, R]) -> Callable[[Any], None]:
-        """Return what writes a record in a transaction; raises for a log that is gone."""
+        """Return a function that writes a record in a transaction; raises for a deleted log."""

@@ -1,6 +1,6 @@
-"""``python -m server.jobs.worker_main``: one job in a process of its own, for an executor of any kind.
+"""``python -m server.jobs.worker_main``: one job in its own process, for any kind of executor.
 
-Job and lease come pickled on standard input, the summary or the error goes pickled to standard output.
+Job and lease are read pickled from standard input; the summary or the error is written pickled to standard output.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from mapper.core.errors import MapperError
 from server.jobs import process
 from server.jobs.workers import DIED
 
-LOOK_S = 0.2  #: how often the lease is looked at, and written at most
+LOOK_S = 0.2  #: interval of checking the lease, and shortest interval of writing it
 
 
 def main() -> None:
     """Do the job."""
     job, lease = pickle.loads(sys.stdin.buffer.read())  # noqa: S301 - by the process that started this one
     out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever prints must not speak in between
+    os.dup2(2, 1)  # other output must not interfere
     path = Path(lease)
     threading.Thread(target=_end_with_lease, args=(path,), daemon=True).start()
     written = 0.0
@@ -33,7 +33,7 @@ def main() -> None:
         if fraction == 1.0 or time.monotonic() - written > LOOK_S:
             written = time.monotonic()
             try:
-                with path.open("r+b") as file:  # which must not make it again
+                with path.open("r+b") as file:  # which must not create it again
                     file.write(b"%.4f" % fraction)
             except FileNotFoundError:
                 os._exit(DIED)
@@ -51,7 +51,7 @@ def main() -> None:
 
 
 def _end_with_lease(path: Path) -> None:
-    """End this process without its lease, and without the process that began it: nobody would have the result."""
+    """End this process if its lease is removed or its parent process ends, because nobody would receive the result."""
     began = os.getppid()
     while path.exists() and os.getppid() == began:
         time.sleep(LOOK_S)

@@ -1,8 +1,7 @@
-"""Workers that do the jobs of logs on a ``concurrent.futures.Executor``, each job in a process of its own.
+"""Workers that do the jobs of logs on a ``concurrent.futures.Executor``, each job in its own process.
 
-A pool of one process on this machine is the default: it is warm from one log to the next. Any other executor, as that
-of a Dask cluster, starts a process for each log on a machine of its own choice, which sees the data folder by the same
-path.
+The default is a pool of one process on this machine, which stays warm between logs. Any other executor, such as that of
+a Dask cluster, starts a process for each log on a machine of its choice, which sees the data folder at the same path.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from server.jobs.process import BoundedJob
 from server.process_folder import process_folder
 from server.storage import StorageError
 
-GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
+GRACE_S = 10.0  #: how long a job may take to notice its timeout before its process is killed
 DIED = 70  #: exit status of a process whose job was cancelled
 
 
@@ -38,20 +37,20 @@ class Worker(Protocol):
 
     @property
     def progress(self) -> float:
-        """Progress of the present job, from 0 to 1."""
+        """Progress of the current job, from 0 to 1."""
 
     @property
     def pid(self) -> int:
-        """The process that reads, 0 where there is none on this machine."""
+        """Id of the reading process, 0 if there is none on this machine."""
 
     async def prepare(self) -> None:
-        """Begin the process of the next job beside the event loop, where it is one of this machine and not there."""
+        """Start the process of the next job without blocking the event loop, if it runs on this machine."""
 
     def submit(self, job: BoundedJob[T]) -> Future[T]:
-        """Have a job done in a process of its own, which keeps to the job's limits of memory and of time.
+        """Have a job done in its own process, which enforces the job's limits of memory and time.
 
-        The future raises what the job raises, as :class:`ReadError` or :class:`LimitError`, and
-        :class:`BrokenExecutor` where the process was ended; neither harms the next job.
+        The future raises the job's exceptions, such as :class:`ReadError` or :class:`LimitError`, and
+        :class:`BrokenExecutor` if the process was killed. Neither affects the next job.
         """
 
     def end(self) -> None:
@@ -62,13 +61,13 @@ class Worker(Protocol):
 
 
 class PoolWorker:
-    """One process of this machine, made when the first log is to be read."""
+    """One process of this machine, created when the first log is read."""
 
     def __init__(self, memory_bytes: int) -> None:
         self._memory_bytes = memory_bytes
-        # Forks of a process of its own: one of the service would copy its threads' locks and its sockets.
+        # Forks of a separate process, because one of the service would copy its threads' locks and its sockets.
         self._context = multiprocessing.get_context("forkserver")
-        # The folder of its socket; one that multiprocessing makes itself stays where this process is killed.
+        # The folder of its socket. One created by multiprocessing would remain if this process is killed.
         multiprocessing.current_process()._config["tempdir"] = str(process_folder())  # type: ignore[attr-defined]  # noqa: SLF001
         self._context.set_forkserver_preload(["server.library.processing.fork_server"])
         self._beginning = threading.Lock()
@@ -78,35 +77,35 @@ class PoolWorker:
 
     @property
     def progress(self) -> float:
-        """Progress of the log that is being read."""
+        """Progress of the log being read."""
         return 0.0 if self._progress is None else float(self._progress.value)
 
     @property
     def pid(self) -> int:
-        """The process."""
+        """Id of the process."""
         return 0 if self._pid is None else int(self._pid.value)
 
     async def prepare(self) -> None:
-        """Begin the process on a thread: the first one of a service takes a second, each further one some 20 ms."""
+        """Start the process on a thread: the first one of a service takes a second, each further one about 20 ms."""
         if self._pool is None:
             await asyncio.to_thread(self._begun)
 
     def submit(self, job: BoundedJob[T]) -> Future[T]:
-        """Have a job done."""
+        """Submit a job."""
         if self._progress is not None:
             self._progress.value = 0.0
         try:
             return self._begun().submit(job.do)
-        except BrokenExecutor:  # the process died while it had nothing to do: no fault of this log
+        except BrokenExecutor:  # the process died while idle, which is not the fault of this log
             self.end()
             return self._begun().submit(job.do)
 
     def _begun(self) -> ProcessPoolExecutor:
-        """Return the pool, with its process begun (any thread)."""
+        """Return the pool after starting its process (any thread)."""
         with self._beginning:
             pool = self._pool
             if pool is None:
-                # Of its own: a process that was ended before it began may still note who it is.
+                # New ones, because a process that was killed before it started may still write its id.
                 progress, pid = self._context.Value(ctypes.c_double, 0.0), self._context.Value(ctypes.c_int64, 0)
                 pool = ProcessPoolExecutor(
                     1,
@@ -114,7 +113,7 @@ class PoolWorker:
                     initializer=process.start_worker,
                     initargs=(progress, pid, self._memory_bytes),
                 )
-                pool.submit(os.getpid)  # a pool begins its process with its first job
+                pool.submit(os.getpid)  # a pool starts its process with its first job
                 self._progress, self._pid, self._pool = progress, pid, pool
             return pool
 
@@ -140,9 +139,9 @@ class PoolWorker:
 
 
 class ExecutorWorker:
-    """A worker of ``executor`` starts a process for each log; all see ``folder`` at the same path.
+    """A worker of ``executor`` that starts a process for each log; all see ``folder`` at the same path.
 
-    A file in it is the job's lease: it says how far the job is, and without it the job ends.
+    A file in it is the job's lease: it contains the job's progress, and without it the job ends.
     """
 
     pid = 0
@@ -155,17 +154,17 @@ class ExecutorWorker:
 
     @property
     def progress(self) -> float:
-        """Progress of the log that is being read."""
+        """Progress of the log being read."""
         try:
             return float(self._lease.read_bytes() or 0.0) if self._lease is not None else 0.0
         except (OSError, ValueError):
             return 0.0
 
     async def prepare(self) -> None:
-        """Begin nothing: the executor's workers are there, or are its own matter."""
+        """Do nothing, because the executor manages its workers."""
 
     def submit(self, job: BoundedJob[T]) -> Future[T]:
-        """Have a job done."""
+        """Submit a job."""
         self.end()
         lease = self._lease = self._folder / f"{uuid.uuid4().hex}.lease"
         lease.write_bytes(b"0")
@@ -175,7 +174,7 @@ class ExecutorWorker:
         return done
 
     def end(self) -> None:
-        """Take the lease away."""
+        """Remove the lease."""
         if self._lease is not None:
             self._lease.unlink(missing_ok=True)
         if self._job is not None:
@@ -183,13 +182,13 @@ class ExecutorWorker:
         self._lease = self._job = None
 
     def close(self) -> None:
-        """Take the lease away, and let go of the executor."""
+        """Remove the lease, and release the executor."""
         self.end()
         self._executor.shutdown(wait=True)
 
 
 def do_in_process(job: BoundedJob[T], lease: str) -> T:
-    """Do a job in a process of its own, and raise as it does; :class:`BrokenExecutor` where it was ended."""
+    """Do a job in its own process, and raise its exceptions; :class:`BrokenExecutor` if it was killed."""
     command = [sys.executable, "-m", "server.jobs.worker_main"]
     try:
         done = subprocess.run(  # noqa: S603 - nothing of it is anybody's input
@@ -212,9 +211,8 @@ def do_in_process(job: BoundedJob[T], lease: str) -> T:
 def worker_at(place: str | None, memory_bytes: int, folder: Path) -> Worker:
     """Return the worker at ``place``: None is this machine, ``tcp://HOST:PORT`` the scheduler of a Dask cluster.
 
-    With ``tls`` for ``tcp``, Dask's own settings name the certificates (``distributed.comm.tls``).
-
-    Raises :class:`StorageError` where there is none. Blocks until it is there.
+    With ``tls`` instead of ``tcp``, Dask's own settings name the certificates (``distributed.comm.tls``). Blocks until
+    it is available. Raises :class:`StorageError` if there is none.
     """
     if place is None:
         return PoolWorker(memory_bytes)

@@ -1,1 +1,1 @@
-"""Uploaded logs: what is stored, what is known of it, and the jobs that read it."""
+"""Uploaded logs: their storage, their records, and the jobs that read them."""

@@ -1,8 +1,8 @@
-"""A copy of a data folder in one file, made while a service uses it, and the way back.
+"""Backup of a data folder in one file, made while a service uses it, and its restoration.
 
-A tar file of ``library``: the files, and after them the records as SQLite's backup has them. While the database is
-locked for writing, every file gets a second name (a hard link) and a reading transaction begins: no log is added or
-deleted between its record and its bytes. Copying follows without the lock. Files are replaced there, never changed.
+The backup is a tar file of ``library``: the files, followed by the records from SQLite's backup. While the database is
+locked for writing, every file gets a second name (a hard link) and a read transaction begins, so that no log is added
+or deleted between its record and its bytes. Copying follows without the lock. Files there are replaced, never modified.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from server.library.store.revision import refuse_newer_file
 from server.storage import RECORDS_FILE, StorageError, claimed, private_folder
 
 LIBRARY, INCOMING = "library", "incoming"
-UNFINISHED = "restore.unfinished"  #: below a data folder that is claimed, so that no two restore there
+UNFINISHED = "restore.unfinished"  #: below a claimed data folder, so that no two processes restore there
 BUSY_S = 30.0  #: how long to wait for a service that writes
 
 
 def back_up(data_dir: Path, file: Path) -> int:
-    """Write all logs, notes, links and what belongs to them into a new ``file``; return its size in bytes.
+    """Write all logs, notes, links and their data into a new ``file``; return its size in bytes.
 
-    Raises :class:`StorageError` where there is nothing to copy, or ``file`` is there, and :class:`OSError`.
+    Raises :class:`StorageError` if there is nothing to copy, or ``file`` exists, and :class:`OSError`.
     """
     root = data_dir / LIBRARY
     if not (root / RECORDS_FILE).is_file():
         raise StorageError("backup.nothing", f"There are no records in {root}.")
     if file.exists():
         raise _is_there(file)
-    private_folder(root / INCOMING)  # what is left there by a process that was killed, the service removes
+    private_folder(root / INCOMING)  # the service removes what a killed process leaves there
     with tempfile.TemporaryDirectory(dir=root / INCOMING, prefix="backup-") as folder, _refusals():
         copy = Path(folder) / LIBRARY
         try:
@@ -54,13 +54,13 @@ def back_up(data_dir: Path, file: Path) -> int:
 
 @contextmanager
 def _new(file: Path) -> Iterator[Path]:
-    """Yield a file to write, which is then renamed to ``file`` unless that is there."""
+    """Yield a file to write, which is then renamed to ``file`` unless that exists."""
     handle, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
     os.close(handle)
     fresh = Path(name)
     try:
         yield fresh
-        try:  # renaming would replace it; hard links are not everywhere where a backup is put
+        try:  # renaming would replace it; not every file system for backups has hard links
             file.touch(mode=0o600, exist_ok=False)
         except FileExistsError as error:
             raise _is_there(file) from error
@@ -71,7 +71,7 @@ def _new(file: Path) -> Iterator[Path]:
 
 def _write(copy: Path, names: Sequence[str], fresh: Path) -> None:
     with fresh.open("wb") as out, tarfile.open(fileobj=out, mode="w") as archive:
-        for name in names:  # each by its name: none that has vanished is left out
+        for name in names:  # by name, so that a vanished file causes an error
             archive.add(copy / name, f"{LIBRARY}/{name}", recursive=False)
         archive.close()
         out.flush()
@@ -79,21 +79,21 @@ def _write(copy: Path, names: Sequence[str], fresh: Path) -> None:
 
 
 def _snapshot(root: Path, copy: Path) -> Sequence[str]:
-    """Make ``copy`` of the folder of a library, of one moment; return the names in it, that of the records last."""
+    """Make ``copy`` a snapshot of a library's folder; return the names in it, that of the records last."""
     with contextlib.closing(sqlite3.connect(root / RECORDS_FILE, timeout=BUSY_S, isolation_level=None)) as records:
         with contextlib.closing(sqlite3.connect(root / RECORDS_FILE, timeout=BUSY_S, isolation_level=None)) as lock:
             lock.execute("BEGIN IMMEDIATE")
             records.execute("BEGIN").close()
-            records.execute("SELECT * FROM sqlite_master").fetchone()  # the transaction begins with the first reading
+            records.execute("SELECT * FROM sqlite_master").fetchone()  # the transaction begins with the first read
             names = _linked(root, copy)
         with contextlib.closing(sqlite3.connect(copy / RECORDS_FILE)) as fresh:
             records.backup(fresh)
-            fresh.execute("PRAGMA journal_mode=DELETE").close()  # one file
+            fresh.execute("PRAGMA journal_mode=DELETE").close()  # a single file
     return [*names, RECORDS_FILE]
 
 
 def _linked(root: Path, copy: Path) -> Sequence[str]:
-    """Give all files but those of the records a second name below ``copy``; return folders and files by their names."""
+    """Hard-link all files except those of the records below ``copy``; return folders and files by name."""
     names: list[str] = []
     for folder, folders, files in os.walk(root, onerror=_unread, followlinks=True):  # perhaps a link to a larger disk
         below = Path(folder).relative_to(root)
@@ -109,12 +109,12 @@ def _linked(root: Path, copy: Path) -> Sequence[str]:
 
 
 def _unread(error: OSError) -> None:
-    if not isinstance(error, FileNotFoundError):  # a folder that is made again
+    if not isinstance(error, FileNotFoundError):  # a folder that is created again
         raise error
 
 
 def _is_linked(path: Path, name: Path) -> bool:
-    """Give a file a second name; return False if it has vanished, as what is made again does while it is replaced."""
+    """Hard-link a file; return False if it has vanished, like derived files while they are replaced."""
     try:
         os.link(os.path.realpath(path), name)
     except FileNotFoundError:
@@ -131,10 +131,10 @@ def _is_linked(path: Path, name: Path) -> bool:
 
 
 def restore(file: Path, data_dir: Path) -> None:
-    """Put what :func:`back_up` has written into a data folder without records, whole or not at all.
+    """Restore a backup of :func:`back_up` into a data folder without records, completely or not at all.
 
-    Raises :class:`StorageError` where a service uses the folder, it has files, or ``file`` is no backup or one of a
-    newer program, and :class:`OSError`.
+    Raises :class:`StorageError` if a service uses the folder, it has files, or ``file`` is no backup or one of a newer
+    program, and :class:`OSError`.
     """
     private_folder(data_dir)
     with claimed(data_dir):
@@ -142,7 +142,7 @@ def restore(file: Path, data_dir: Path) -> None:
         if any(files for _, _, files in os.walk(root, followlinks=True)):  # perhaps of records in PostgreSQL
             raise StorageError("backup.not_empty", f"There are records or logs in {root}: name a folder without.")
         if folder.exists():
-            shutil.rmtree(folder)  # of one that was killed
+            shutil.rmtree(folder)  # of a killed process
         folder.mkdir(mode=0o700)
         try:
             _extract(file, folder)
@@ -154,12 +154,12 @@ def restore(file: Path, data_dir: Path) -> None:
 
 
 def _extract(file: Path, folder: Path) -> None:
-    """Put the files of a whole backup into ``folder``."""
+    """Extract the files of a complete backup into ``folder``."""
     with _refusals(), tarfile.open(file, "r:") as archive:
         members = archive.getmembers()
         if (
             members[-1].name != f"{LIBRARY}/{RECORDS_FILE}"
-        ):  # a file that is cut between two members ends as a whole one
+        ):  # a file truncated between two members ends like a complete one
             raise _no_backup()
         archive.extractall(folder, filter="data")
     records = folder / LIBRARY / RECORDS_FILE
@@ -170,7 +170,7 @@ def _extract(file: Path, folder: Path) -> None:
 
 @contextmanager
 def _refusals() -> Iterator[None]:
-    """Raise errors of SQLite and of the archive as :class:`StorageError`."""
+    """Convert errors of SQLite and of the archive to :class:`StorageError`."""
     try:
         yield
     except sqlite3.Error as error:

@@ -1,7 +1,7 @@
-"""The library: the logs that a visitor may open, the state of each, and their contents.
+"""The library: the logs that a visitor may open, their states, and their contents.
 
-Three sources: uploads (private to the visitor who made them), a folder that the operator names (for all visitors,
-read-only) and one built-in sample. All methods run on the event loop; files and readers work elsewhere.
+It has three sources: uploads (private to the visitor who made them), a folder that the operator names (for all
+visitors, read-only) and one built-in sample. All methods run on the event loop; files and readers work elsewhere.
 """
 
 from __future__ import annotations
@@ -71,11 +71,10 @@ if TYPE_CHECKING:
 
 
 class Library:
-    """The logs of one server. Making it opens its stores and may take a while; then call :meth:`start`, and in the end
-    :meth:`close`.
+    """The logs of one server. The constructor opens its stores and may take a while; then call :meth:`start`.
 
-    ``readers`` are some that outlive the library; without them the library has its own. Raises :class:`StorageError`
-    where the stores cannot be opened.
+    Call :meth:`close` at the end. ``readers`` may outlive the library; by default the library creates its own. Raises
+    :class:`StorageError` if the stores cannot be opened.
     """
 
     def __init__(self, settings: Settings, limits: LibraryLimits | None = None, readers: Readers | None = None) -> None:
@@ -164,7 +163,7 @@ class Library:
         await self._catalogue.start(stores_match=stores_match)
         for follow in (self.links.follow, self.puzzles.follow, self.tags.follow, self.sign_in_ends.follow):
             await follow()
-        # As with blobs: the files may belong to another database, or this database may be new.
+        # As with blobs, the files may belong to another database, or this database may be new.
         await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
         await self._expire()
         for record in self._catalogue.interrupted():
@@ -175,7 +174,7 @@ class Library:
         self._changes.begin()
 
     async def end_uploads(self) -> None:
-        """Take no further upload, and wait until all that are under way have ended."""
+        """Accept no further uploads, and wait until all running ones have ended."""
         await self._slots.close()
 
     async def close(self) -> None:
@@ -197,11 +196,11 @@ class Library:
         await asyncio.to_thread(self._database.close)
 
     async def _expire(self) -> None:
-        """Delete the uploads that were not used for a long time."""
+        """Delete the uploads that have not been used for a long time."""
         await self._catalogue.expire(time.time() - self._limits.keep_s, self._jobs.busy)
 
     async def _forgotten(self, log_id: str) -> None:
-        """Remove what was added to a log that was deleted."""
+        """Remove the additions to a deleted log."""
         for queue in self._job_queues:
             await queue.forget_log(log_id)
         await self.maps.forget_log(log_id)
@@ -210,23 +209,23 @@ class Library:
         self.puzzles.drop(log_id)
 
     async def _follow_jobs(self, log_ids: set[str] | None) -> None:
-        """Take over what other services have changed of the jobs on some logs, None: of any."""
+        """Load the changes of other services in the jobs on some logs, None: on any."""
         for queue in self._job_queues:
             await queue.follow(log_ids)
 
     def _room(self) -> int:
-        """Bytes that uploads may still take on the disk."""
+        """Return the number of bytes that uploads may still use on the disk."""
         used = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
         return self._limits.max_total_bytes - used
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
     def uploaded(self, owner: str, key: str) -> int:
-        """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
+        """Return the number of received bytes of the upload ``key`` of ``owner``, where the next part begins."""
         return self._intake.offset(owner, key)
 
     def forget_upload(self, owner: str, key: str) -> None:
-        """Forget what has arrived of the upload ``key`` of ``owner``; an unknown one is no error."""
+        """Discard the received part of the upload ``key`` of ``owner``. An unknown one is no error."""
         self._intake.forget(owner, key)
 
     async def put(
@@ -241,11 +240,11 @@ class Library:
     ) -> Record:
         """Store an upload of ``owner``, queue it for reading and return its record.
 
-        ``size`` is what the sender says the upload has, so that one that is too large is refused at once; ``address``
-        is the sender's, which has its share of the places. Bytes that the owner has uploaded before give the record
-        that is there; one that failed is read again. Raises :class:`LimitError` for an upload over a cap and
-        :class:`ReadError` for an empty one, and for one whose digest is not the ``sha256`` that was stated, and
-        :class:`StorageError`; nothing is left of it.
+        ``size`` is the size stated by the sender, so that an upload that is too large is refused at once; ``address``
+        is the sender's, which has its share of the places. If the owner has uploaded the same bytes before, returns the
+        existing record; if that failed, it is read again. Raises :class:`LimitError` for an upload over a cap and
+        :class:`ReadError` for an empty one, and for one whose digest is not ``sha256``, and :class:`StorageError`; the
+        upload is then removed.
         """
         record = await self._received(Sender(owner, address), Declared(name, size, sha256), chunks)
         assert record is not None  # noqa: S101 - for the type checker: without parts an upload is whole
@@ -261,9 +260,10 @@ class Library:
         sha256: str | None = None,
         address: str = "",
     ) -> Record | None:
-        """Store a part of an upload, as :meth:`put`; return the record once it is whole, None before.
+        """Store a part of an upload, like :meth:`put`; return the record once it is complete, None before.
 
-        What came before a cut stays for a while. Raises :class:`UploadOffsetError` for a part from another place.
+        Data before an interruption is kept for a while. Raises :class:`UploadOffsetError` for a part with another
+        offset.
         """
         return await self._received(Sender(owner, address), Declared(name, part.total, sha256, part), chunks)
 
@@ -279,7 +279,7 @@ class Library:
         self._known_paths.check()
 
     async def delete(self, owner: str, log_id: str) -> None:
-        """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.
+        """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that use it continue.
 
         Raises :class:`LogNotFoundError`, :class:`StorageError`, and :class:`LogReadOnlyError` for a log that is not an
         upload.
@@ -287,13 +287,13 @@ class Library:
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
-        await self._catalogue.delete(record.id)  # and what was added to it
+        await self._catalogue.delete(record.id)  # and its additions
         if await self._jobs.stop(record.id):
             for path in (self._catalogue.pack(record.id), self._catalogue.picture(record.id)):
                 path.unlink(missing_ok=True)
 
     async def cancel(self, owner: str, log_id: str) -> Record:
-        """Stop reading an upload of ``owner``; its bytes stay, and it can be read again. Return its record."""
+        """Stop reading an upload of ``owner``, and return its record. It is kept and can be read again."""
         self._own_upload(owner, log_id)
         await self._jobs.stop(log_id)
         record = self._catalogue.get(log_id)
@@ -303,7 +303,7 @@ class Library:
         return self.get(owner, log_id)
 
     def read_again(self, owner: str, log_id: str) -> Record:
-        """Queue an upload of ``owner`` that failed for another reading; return its record."""
+        """Queue a failed upload of ``owner`` for another reading; return its record."""
         record = self._own_upload(owner, log_id)
         return self._jobs.queue(replace(record, attempts=0)) if record.state == "failed" else record
 
@@ -320,7 +320,7 @@ class Library:
         return await self._visible.list(owner)
 
     def files(self, owner: str) -> Sequence[Record]:
-        """Return the logs with files that ``owner`` may open, as at the last look into the folder."""
+        """Return the logs with files that ``owner`` may open, as of the last scan of the folder."""
         return self._visible.files(owner)
 
     def get(self, owner: str, log_id: str) -> Record:
@@ -334,38 +334,38 @@ class Library:
     # -- the log itself -----------------------------------------------------------------------------------------
 
     async def load(self, owner: str, log_id: str, topic: str | None = None, cut: PlanarCut | None = None) -> ScanLog:
-        """Return a log with what ``owner`` has added to it; waits for a job that is under way.
+        """Return a log with the additions of ``owner``; wait for a running job.
 
-        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several,
-        or those that are to be mapped together, with ``SEPARATOR`` between them. Without one it is the lidar with most
-        scans, or all sonars. ``cut`` says how scans are cut out of clouds and depth images. Raises
-        :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`, :class:`LimitError`), and
+        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor if the log has several, or
+        those to map together, separated by ``SEPARATOR``. By default it is the lidar with the most scans, or all
+        sonars. ``cut`` has the options for cutting scans out of clouds and depth images. Raises
+        :class:`LogNotFoundError`, the reader's errors (:class:`ReadError`, :class:`LimitError`), and
         :class:`ConfigError` for sensors that cannot be mapped together.
         """
         log = await self._loading.load(owner, log_id, topic, cut)
         return await self.trajectories.joined(owner, log_id, log)
 
     async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
-        """Return the costmaps of a recording that has no scans, by topic; None for any other log. As :meth:`load`."""
+        """Return the costmaps of a recording without scans, by topic; None for other logs. Raises like :meth:`load`."""
         return await self._loading.costmaps(owner, log_id)
 
     async def volume(self, owner: str, log_id: str, topic: str | None = None) -> VolumeSource:
-        """Return what a map in 3D of a log is made of: the scans of its clouds, or an octree. As :meth:`load`."""
+        """Return the source of a log's 3D map: the scans of its clouds, or an octree. Raises like :meth:`load`."""
         return await self._loading.volume(owner, log_id, topic)
 
     async def reference_map(self, owner: str, log_id: str) -> ReferenceMap | None:
-        """Return the map that map files are, named as their record; None for any other log. As :meth:`load`."""
+        """Return the map of map files, named as their record; None for any other log. Raises like :meth:`load`."""
         return await self._loading.reference_map(owner, log_id)
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
-        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        """Return what :meth:`load` of a log currently waits for, in words, and its completed share, None if unknown."""
         return self._loading.opening(log_id)
 
     async def contents(self, owner: str, log_id: str, visitor: str, *, address: str = "") -> Contents | float:
-        """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
+        """Return the contents of a recording of ``owner``, or the completed share of reading them, from 0 to 1.
 
-        Each call keeps it going, and counts as ``visitor``'s. The sample is no recording and holds nothing. Raises
-        :class:`LogNotFoundError`, and what the reader raised.
+        Each call keeps the reading alive, and counts as ``visitor``'s. The sample is not a recording and has no
+        contents. Raises :class:`LogNotFoundError`, and the reader's errors.
         """
         record = self.get(owner, log_id)
         if record.source == "sample":
@@ -373,7 +373,7 @@ class Library:
         return await self._inspections.contents(record, visitor, address=address)
 
     def stop_inspecting(self, owner: str, log_id: str, visitor: str) -> None:
-        """End what :meth:`contents` has begun for ``visitor`` of a log of ``owner``.
+        """End what :meth:`contents` has started for ``visitor`` on a log of ``owner``.
 
         Raises :class:`LogNotFoundError`.
         """
@@ -382,9 +382,9 @@ class Library:
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""
     ) -> tuple[Added, Sequence[str]]:
-        """Add the TUM file that ``chunks`` are as one more trajectory of a log; return its record, and notes.
+        """Add the TUM file in ``chunks`` to a log as one more trajectory; return its record, and notes.
 
-        Raises as :meth:`load`, and :func:`text_of` and :meth:`Trajectories.put` of its module.
+        Raises like :meth:`load`, :func:`text_of` and :meth:`Trajectories.put` of its module.
         """
         log = await self.load(owner, log_id)
         async with self._slots.take(owner, address) as slot:
@@ -394,7 +394,7 @@ class Library:
     async def choose_map(
         self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes], *, address: str = ""
     ) -> ReferenceMap:
-        """Choose the map in uploaded files to localize a log in. Raises as :meth:`ReferenceMaps.of_files`."""
+        """Choose the map in uploaded files for localizing a log. Raises like :meth:`ReferenceMaps.of_files`."""
         async with self._slots.take(owner, address) as slot:
             return await self.maps.of_files(owner, log_id, title, slot.read(chunks), address=address)
 

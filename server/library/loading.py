@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
 
 
-MAX_TOGETHER = 32  #: sensors of one log that are mapped together
+MAX_TOGETHER = 32  #: sensors of one log that can be mapped together
 SONAR = "sensor_msgs/Range"
 
 
@@ -69,7 +69,7 @@ class Loading:
         except ConfigError:
             if log is None:
                 raise
-            return log  # the sonars' poses are in different frames: one of them by itself
+            return log  # the sonars' poses are in different frames, so one of them by itself
         self.cache.put(key, joint)
         return joint
 
@@ -97,7 +97,7 @@ class Loading:
             raise ReadError("log.no_scans", "The file has point clouds and no planar scans: it makes a map in 3D.")
         if record.summary is not None and record.summary.map is not None:
             raise ReadError("log.no_scans", "This is a map: it has no scans.")
-        for _ in range(3):  # one more than reading takes: the survey may be at this log, and packs nothing
+        for _ in range(3):  # one more than reading takes, because the survey may be reading this log, and packs nothing
             record = await self._settled(owner, log_id)
             try:
                 return await self.scans.packed(record)
@@ -106,7 +106,7 @@ class Loading:
         raise unstored()
 
     async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
-        """Return the costmaps of a recording that has no scans, None for any other log; as :meth:`load`."""
+        """Return the costmaps of a recording without scans, None for any other log; see :meth:`load`."""
         record = self.get(owner, log_id)
         if record.source == "sample":
             return None
@@ -124,9 +124,9 @@ class Loading:
         raise unstored()
 
     async def volume(self, owner: str, log_id: str, topic: str | None) -> VolumeSource:
-        """Return what a map in 3D of a log is made of; as :meth:`load`.
+        """Return the source of a log's 3D map; see :meth:`load`.
 
-        ``topic`` names the clouds of a recording that has several. Those of a recording with planar scans are read on
+        ``topic`` names the clouds if a recording has several. Those of a recording with planar scans are read on
         request. Raises :class:`ReadError` for a log without clouds.
         """
         record = self.get(owner, log_id)
@@ -148,7 +148,7 @@ class Loading:
         raise unstored()
 
     async def reference_map(self, owner: str, log_id: str) -> ReferenceMap | None:
-        """Return the map in map files, None for any other log; as :meth:`load`."""
+        """Return the map in map files, None for any other log; see :meth:`load`."""
         record = self.get(owner, log_id)
         if record.source == "sample":
             return None
@@ -168,7 +168,7 @@ class Loading:
         raise unstored()
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
-        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        """Return what :meth:`load` of a log currently waits for, in words, and its completed share, None if unknown."""
         record = self.catalogue.get(log_id)
         if record is not None and record.state == "reading":
             return "Reading the log", self.readers.of(record).progress
@@ -179,7 +179,7 @@ class Loading:
         return "Loading the log", None
 
     async def _settled(self, owner: str, log_id: str) -> Record:
-        """Return the record of a log after the job that is under way; raise what the reader raised."""
+        """Return the record of a log after the running job; raise the reader's error."""
         await self.jobs.settled(log_id)
         record = self.get(owner, log_id)
         if record.error is not None:
@@ -188,7 +188,7 @@ class Loading:
 
 
 def _cut_topic(record: Record, topic: str | None) -> str | None:
-    """Return the topic if scans are cut out of its messages, the log's own for None; else None."""
+    """Return the topic (for None, the log's own) if scans are cut out of its messages; otherwise None."""
     for known_topic in record.summary.topics if record.summary else ():
         if is_cut(known_topic.type) and (known_topic.chosen if topic is None else known_topic.name == topic):
             return known_topic.name
@@ -203,16 +203,16 @@ class LibraryLimits:
     """Limits on uploads, stored bytes and reading."""
 
     max_logs_per_owner: int = 50
-    max_total_bytes: int = 20 << 30  #: bytes of all uploads together, and of what was read of them
-    max_owner_bytes: int = 10 << 30  #: bytes of one visitor's
+    max_total_bytes: int = 20 << 30  #: bytes of all uploads together, including the data read from them
+    max_owner_bytes: int = 10 << 30  #: bytes of one visitor's uploads
     max_uploads_at_once: int = 8
     max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.processing.reader.Reader`
-    read_cpu_s: float = 100.0  #: seconds of processor time, for the same
+    read_timeout_s: float = 120.0  #: more for a large file, see :class:`server.library.processing.reader.Reader`
+    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
-    lease_s: float = 15.0  #: for which a service that was killed or cut off keeps its jobs from others
+    lease_s: float = 15.0  #: for which a killed or disconnected service keeps its jobs from others
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
 
     def with_room_for(self, upload_bytes: int) -> LibraryLimits:
@@ -225,7 +225,7 @@ class LibraryLimits:
 
 
 class VisibleLogs:
-    """Own uploads, the logs of the folder, and the sample, each with what its visitor has added to it."""
+    """Own uploads, the logs of the folder, and the sample, each with the visitor's additions."""
 
     def __init__(
         self,
@@ -248,7 +248,7 @@ class VisibleLogs:
         return [self._as_seen_by(owner, record) for record in records]
 
     def files(self, owner: str) -> Sequence[Record]:
-        """Return the logs with files that ``owner`` may open, as at the last look into the folder."""
+        """Return the logs with files that ``owner`` may open, as of the last scan of the folder."""
         return [*self._uploads(owner), *self._folder.records()]
 
     def _uploads(self, owner: str) -> Sequence[Record]:
@@ -258,19 +258,19 @@ class VisibleLogs:
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         if log_id == SAMPLE_ID:
-            self._sample.begin()  # of several processes of the service, each makes it
+            self._sample.begin()  # each process of the service creates it
             return self._as_seen_by(owner, self._sample.record)
         record = self._catalogue.get(log_id)
         if log_id in self._catalogue.folder_logs:
             record = self._folder.record(self._catalogue.folder_logs[log_id])
-        elif record is not None and (record.source == "folder" or record.owner != owner):  # gone, or another's
+        elif record is not None and (record.source == "folder" or record.owner != owner):  # deleted, or another's
             record = None
         if record is None:
             raise LogNotFoundError("log.not_found", "There is no such log.")
         return self._as_seen_by(owner, record)
 
     def _as_seen_by(self, owner: str, record: Record) -> Record:
-        """Return a record with the present progress, and with what ``owner`` has added to the log."""
+        """Return a record with the current progress, and with the additions of ``owner``."""
         is_read = record.state == "reading"
         progress = self._jobs.progress(record) if is_read else record.progress
         reading_s = self._readers.of(record).elapsed_s if is_read else None
@@ -282,7 +282,7 @@ class VisibleLogs:
     async def picture(self, owner: str, log_id: str, *, dark: bool = False) -> bytes:
         """Return the picture of a log's map as PNG, in the colours of a light or a dark page.
 
-        Raises :class:`LogNotFoundError`, also where there is no picture.
+        Raises :class:`LogNotFoundError`, also if there is no picture.
         """
         from server.library.packs.picture import read_picture  # noqa: PLC0415 - Pillow and the replay of logs
 

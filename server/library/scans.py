@@ -33,7 +33,7 @@ class Scans:
         self._cache = cache
         self._scratch = scratch
         self._unpacking = asyncio.Lock()
-        self.read_now: set[str] = set()  #: the logs whose files are read for one of their sensors
+        self.read_now: set[str] = set()  #: logs whose files are being read for one of their sensors
 
     async def packed(self, record: Record) -> ScanLog:
         """Return the log in its pack. Raises :class:`StalePackError` for a missing or outdated pack."""
@@ -52,7 +52,7 @@ class Scans:
     async def of_clouds(self, record: Record, topic: str | None) -> VolumeSource:
         """Return the clouds of a recording, those of ``topic`` or of its first topic, read on request.
 
-        Raises :class:`ReadError` for a file without any.
+        Raises :class:`ReadError` for a file without clouds.
         """
         from server.library.packs.volume import read_volume_pack  # noqa: PLC0415 - few logs have clouds
 
@@ -81,9 +81,9 @@ class Scans:
                 self.read_now.discard(record.id)
 
     async def of_sensor(self, record: Record, topic: str, cut: PlanarCut | None = None) -> ScanLog:
-        """Return one of several sensors: of the pack, else read on request, and then kept in memory only.
+        """Return one of several sensors: from the pack, otherwise read on request, and then cached only in memory.
 
-        ``cut`` says how its scans are cut out of clouds or depth images; those of the pack are cut as by default.
+        ``cut`` has the options for cutting its scans out of clouds or depth images; the pack's scans use the defaults.
         """
         key = f"{record.id}#{topic}#{'' if cut is None else cut.values}"
         async with self._unpacking:

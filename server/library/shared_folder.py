@@ -21,7 +21,7 @@ class SharedFolder:
         self._folder = None if path is None else LogFolder(path)
         self._catalogue = catalogue
         self._jobs = jobs
-        self._looking = asyncio.Lock()  #: held while the folder is looked through
+        self._looking = asyncio.Lock()  #: held while the folder is scanned
         self._survey_job: asyncio.Task[None] | None = None
 
     async def close(self) -> None:
@@ -31,11 +31,11 @@ class SharedFolder:
             await asyncio.gather(self._survey_job, return_exceptions=True)
 
     def records(self) -> Sequence[Record]:
-        """Return the records of the logs that lie in the folder."""
+        """Return the records of the logs in the folder."""
         return [self.record(log) for log in self._catalogue.folder_logs.values()]
 
     async def look(self) -> None:
-        """Update the records from the folder's current contents; forget logs that are gone."""
+        """Update the records from the folder's current contents; remove logs that are gone."""
         if self._folder is None:
             return
         async with self._looking:
@@ -43,18 +43,18 @@ class SharedFolder:
         gone = [r for r in self._catalogue.all() if r.source == "folder" and r.id not in self._catalogue.folder_logs]
         for record in gone:
             if record.id not in self._jobs.busy:
-                with contextlib.suppress(StorageError):  # at the next look
+                with contextlib.suppress(StorageError):  # next time
                     await self._catalogue.delete(record.id)
 
     def record(self, log: FolderLog) -> Record:
-        """Return what is known of one of its logs."""
+        """Return the record of one of its logs."""
         known = self._catalogue.get(log.id)
         if known is not None:
             return known
         return Record(log.id, "", display_name(log.name), "folder", "queued", log.bytes, created_s=log.modified_s)
 
     def _unknown(self) -> Record | None:
-        """Return a log that was not read yet; None if all were."""
+        """Return an unread log; None if there is none."""
         known = self._catalogue.all()
         ids = {record.id for record in known}
         folder = (self.record(log) for log in self._catalogue.folder_logs.values() if log.id not in ids)
@@ -67,9 +67,9 @@ class SharedFolder:
             self._survey_job = asyncio.create_task(self._survey())
 
     async def _survey(self) -> None:
-        """Read the unread logs one after the other, so that a visitor waits for one of them at most.
+        """Read the unread logs one after the other, so that a visitor waits for at most one of them.
 
-        Nothing of them is packed: a folder may be larger than the room for packs.
+        They are not packed, because a folder may be larger than the room for packs.
         """
         try:
             while (record := self._unknown()) is not None:

@@ -11,11 +11,11 @@ from server.library.store.revision import refuse_newer_file
 from server.settings import Settings
 from server.storage import RECORDS_FILE, private_folder
 
-SQLITE = "sqlite:///"  #: what the URL of a file begins with
+SQLITE = "sqlite:///"  #: prefix of the URL of a file
 
 
 def check_stores(settings: Settings) -> None:
-    """Open the stores of a library, bring them up to date and close them. Raises :class:`StorageError`."""
+    """Open the stores of a library, upgrade them and close them. Raises :class:`StorageError`."""
     from server.library.store.database import Database  # noqa: PLC0415
     from server.library.store.identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
@@ -33,5 +33,5 @@ def check_stores(settings: Settings) -> None:
         database.close()
     if settings.executor is not None:
         worker_at(settings.executor, 0, root).close()
-    if settings.fleet_executor is not None:  # which need not be there yet
+    if settings.fleet_executor is not None:  # it need not be available yet
         require_dask()

@@ -1,10 +1,10 @@
-"""The parts of sessions: :data:`PARTS` is the one list that names them.
+"""The parts of sessions. :data:`PARTS` is the only list that names them.
 
-A part is a folder here. Of its modules the service knows these; a part may lack any of them:
+A part is a folder here. The service uses these modules of it, each of which is optional:
 
 ``messages``  ``COMMANDS`` and ``MESSAGES``, the Structs that it adds to the stream (:mod:`server.parts.wire`)
 ``part``      ``part_of``, which returns its :class:`server.sessions.part.Part` for what a source offers, or None;
-              without it sources make the part themselves
+              without it, sources create the part themselves
 ``routes``    ``router``, its routes
 """
 
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from server.sessions.part import Offers, Part
 
-#: each behind those whose results it uses
+#: each after the parts whose results it uses
 PARTS = (
     "why",
     "comparison",
@@ -35,7 +35,7 @@ PARTS = (
 
 
 def stated(module: str, name: str) -> Iterator[Any]:
-    """Yield what the modules of this name of the parts have as ``name``, in the order of :data:`PARTS`; import them."""
+    """Import the parts' modules of this name, and yield their attribute ``name``, in the order of :data:`PARTS`."""
     for part in PARTS:
         if find_spec(path := f"{__name__}.{part}.{module}") is not None:
             names = vars(import_module(path))
@@ -44,6 +44,6 @@ def stated(module: str, name: str) -> Iterator[Any]:
 
 
 def parts_of(offers: Offers) -> list[Part]:
-    """Return the parts that have what they need, in the order in which they follow the source."""
+    """Return the parts whose requirements are met, in the order in which they follow the source."""
     made = (part_of(offers) for part_of in stated("part", "part_of"))
     return [part for part in made if part is not None]

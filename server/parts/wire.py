@@ -1,4 +1,4 @@
-"""All commands and messages of a session's stream, those of every session and those of the parts; reading commands."""
+"""All commands and messages of a session's stream, common ones and those of the parts, and decoding of commands."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def _refuse_constant(name: str) -> float:
 def decode_command(text: str | bytes) -> Struct:
     """Return a command from the browser, one of :data:`COMMANDS`.
 
-    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, a missing or
-    unknown ``type``, a field that is missing or of another type.
+    Raises :class:`ProtocolError` for anything else: binary data, invalid JSON, NaN or Infinity, too much text, a
+    missing or unknown ``type``, a missing field or one of another type.
     """
     if isinstance(text, bytes):
         raise ProtocolError("command.binary", "Commands are text frames, not binary ones.")
@@ -56,12 +56,12 @@ def decode_command(text: str | bytes) -> Struct:
     try:
         command: Struct = _DECODER.decode(text)
     except (msgspec.DecodeError, RecursionError):
-        return command_of(_fields(text))  # which says what is wrong
+        return command_of(_fields(text))  # raises an error that says what is wrong
     return command
 
 
 def _fields(text: str) -> object:
-    """Return what a text frame contains. Raises :class:`ProtocolError` for one that is not JSON."""
+    """Return the contents of a text frame. Raises :class:`ProtocolError` if it is not JSON."""
     try:
         fields: object = json.loads(text, parse_constant=_refuse_constant)
         json.dumps(fields, ensure_ascii=False).encode()
@@ -73,7 +73,7 @@ def _fields(text: str) -> object:
 
 
 def command_of(fields: object) -> Struct:
-    """Return the command with these fields, its ``type`` among them, as one of :data:`COMMANDS`.
+    """Return the command with these fields, including its ``type``, as one of :data:`COMMANDS`.
 
     Raises :class:`ProtocolError`.
     """
@@ -83,7 +83,7 @@ def command_of(fields: object) -> Struct:
     if kind is None:
         raise ProtocolError("command.unknown", f"There is no command {fields['type']!r:.80}.")
     try:
-        # Of one type: of the union msgspec would prepare every type again with each command.
+        # Converts to one type, because for the union msgspec would prepare all types again with each command.
         return msgspec.convert(fields, kind)
     except msgspec.ValidationError as error:
         raise _refused(fields["type"], str(error)) from error

@@ -1,1 +1,1 @@
-"""Puzzles: sessions of logs with a hidden fault, and how far each visitor is. Answers are checked here only."""
+"""Puzzles: sessions of logs with a hidden fault, and each visitor's progress. Answers are checked only here."""

@@ -13,7 +13,7 @@ Measure = Literal["agreement", "entropy", "sharpness"]
 
 @dataclass(frozen=True, slots=True)
 class OfferedPuzzle:
-    """A puzzle that comes with the program."""
+    """A puzzle included in the program."""
 
     name: str
     level: int
@@ -23,7 +23,7 @@ class OfferedPuzzle:
 
 @dataclass(frozen=True, slots=True)
 class NamedCause:
-    """A cause of a spoiled map, and its name for people."""
+    """A cause of a faulty map, and its displayed name."""
 
     name: str
     label: str
@@ -31,7 +31,7 @@ class NamedCause:
 
 @dataclass(frozen=True, slots=True)
 class Costs:
-    """Points that a wrong answer and a hint cost."""
+    """Points deducted for a wrong answer and a hint."""
 
     wrong: int
     hint: int
@@ -39,7 +39,7 @@ class Costs:
 
 @dataclass(frozen=True, slots=True)
 class RepairedWith:
-    """What repairs the map, without the values: names of parameters, and whether it is other poses."""
+    """What repairs the map, without the values: names of parameters, and whether other poses are needed."""
 
     parameters: list[str]
     poses: bool
@@ -47,7 +47,7 @@ class RepairedWith:
 
 @dataclass(frozen=True, slots=True)
 class SolutionAnswer:
-    """The answer to a puzzle: its cause, what a ``lesson``'s ``section`` says of it, and what repairs the map."""
+    """The answer to a puzzle: its cause, a ``lesson`` about it from a ``section``, and what repairs the map."""
 
     cause: str
     label: str
@@ -60,10 +60,10 @@ class SolutionAnswer:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """The state of an attempt, which tells no more than the visitor has found.
+    """The state of an attempt, limited to what the visitor has found.
 
-    ``measures`` are those that the repair is judged by, ``repair`` the share of the repair of the map that was checked
-    last, ``best`` of the best one, and ``enough`` of one that solves the puzzle, 0 to 1.
+    ``measures`` determine the score of the repair, ``repair`` is the score of the map checked last, ``best`` of the
+    best one, and ``enough`` the score that solves the puzzle, 0 to 1.
     """
 
     title: str

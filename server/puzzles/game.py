@@ -1,4 +1,4 @@
-"""One attempt at a puzzle: what was answered, repaired and asked for. The page learns the cause at its end only."""
+"""One attempt at a puzzle: its answers, repairs and hints. The page receives the cause only at the end."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from server.puzzles.answers import Attempt, Costs, Measure, NamedCause, Repaired
 
 @dataclass(slots=True)
 class Progress:
-    """What was found of a puzzle and asked for: it outlasts the session of an attempt where a class solves a puzzle."""
+    """Progress on a puzzle. If a class solves the puzzle, it outlasts the session of an attempt."""
 
     is_named: bool = False
     hints: int = 0
-    best: float = 0.0  #: share of the repair of the best map so far
+    best: float = 0.0  #: score of the best repair so far
     gave_up: bool = False
     wrong: set[str] = field(default_factory=set)  #: wrong answers
 
 
 @dataclass(slots=True)
 class Game:
-    """An attempt at ``puzzle``. Used from the event loop only; ``changed`` is called after each step.
+    """An attempt at ``puzzle``. Used from the event loop only. ``changed`` is called after each step.
 
-    ``choices`` are the causes to choose from.
+    ``choices`` are the possible causes.
     """
 
     title: str
@@ -37,7 +37,7 @@ class Game:
     choices: tuple[str, ...] = tuple(CAUSES)
     changed: Callable[[], None] = lambda: None
     progress: Progress = field(default_factory=Progress)
-    now: Measures | None = None  #: of the map that was checked last
+    now: Measures | None = None  #: of the map checked last
 
     @property
     def can_repair(self) -> bool:
@@ -46,7 +46,7 @@ class Game:
 
     @property
     def is_solved(self) -> bool:
-        """Whether the cause is named and, where that is possible, the map repaired."""
+        """Whether the cause is named and, if possible, the map repaired."""
         progress = self.progress
         return progress.is_named and (not self.can_repair or progress.best >= REPAIRED)
 
@@ -57,7 +57,7 @@ class Game:
 
     @property
     def points(self) -> int:
-        """The points so far, 0 … 100; 0 for who had the answer shown."""
+        """The points so far, 0 to 100; 0 if the answer was shown on request."""
         progress = self.progress
         if progress.gave_up:
             return 0
@@ -70,7 +70,7 @@ class Game:
         )
 
     def answer(self, cause: str) -> bool:
-        """Take an answer; return whether it is right. Raises :class:`ConfigError` for a cause that there is not."""
+        """Check an answer; return whether it is right. Raises :class:`ConfigError` for an unknown cause."""
         if cause not in self.choices:
             raise ConfigError("puzzle.cause", f"There is no cause {cause!r:.80} to choose.")
         self._check_open()
@@ -82,7 +82,7 @@ class Game:
         return cause == self.puzzle.cause
 
     def hint(self) -> None:
-        """Show one more hint. Raises :class:`ConfigError` where all are shown."""
+        """Show one more hint. Raises :class:`ConfigError` if all are shown."""
         self._check_open()
         if self.progress.hints >= len(CAUSES[self.puzzle.cause].hints):
             raise ConfigError("puzzle.hints", "There are no more hints.")
@@ -90,7 +90,7 @@ class Game:
         self.changed()
 
     def check(self, now: Measures) -> None:
-        """Take what was measured of the map as it is now."""
+        """Record the measures of the current map."""
         self.now = now
         if not self.is_over:
             self.progress.best = max(self.progress.best, self.puzzle.share(now) if self.can_repair else 0.0)
@@ -107,7 +107,7 @@ class Game:
             raise ConfigError("puzzle.over", "This attempt is over: its answer was shown.")
 
     def public(self) -> Attempt:
-        """Return what the page may know now."""
+        """Return the state that the page may receive now."""
         puzzle, cause, progress = self.puzzle, CAUSES[self.puzzle.cause], self.progress
         shares = puzzle.shares(puzzle.spoiled)
         return Attempt(

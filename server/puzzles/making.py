@@ -1,4 +1,4 @@
-"""Making of the spoiled log of a puzzle: from a recipe, a history of the lab, or a log."""
+"""Creation of a puzzle's faulty log from a recipe, a history of the lab, or a log."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from server.sources.simulation_replay import replayed
 
 MayContinue = Callable[[], bool]
 Tell = Callable[[str, float | None], None]
-"""Told what is being done, and which share of it is done, None if unknown."""
+"""Called with the current part of the work and its completed share, None if unknown."""
 DRIVING, MAPPING = "Driving through the world", "Mapping the drive"
 
 
 class PuzzleSource(Protocol):
-    """Makes a puzzle on a worker thread."""
+    """Creates a puzzle on a worker thread."""
 
     def make(self, limits: Callable[[], Limits], may_continue: MayContinue, tell: Tell) -> Puzzle:
-        """Return the puzzle. Raises as the mapper, and ``WorkCancelledError`` once ``may_continue`` returns False."""
+        """Return the puzzle. Raises like the mapper, and ``WorkCancelledError`` once ``may_continue`` returns False."""
 
 
 def puzzle_config(log: ScanLog) -> MappingConfig:
-    """Return the first parameters of a puzzle of a log: hits and misses both count, as when it was made."""
+    """Return the initial parameters of a log's puzzle: hits and misses both count, as when it was created."""
     return first_config(log).with_values({"hit_and_passed": "both_count"})
 
 
@@ -43,7 +43,7 @@ def _ready(spoiled: Spoiled, cause: str, limits: Callable[[], Limits], may_conti
 
 @dataclass(frozen=True, slots=True)
 class RecipeSource:
-    """A puzzle that comes with the program."""
+    """A puzzle included in the program."""
 
     name: str
 
@@ -66,7 +66,7 @@ class WorldSource:
     spec: WorldSpec
 
     def make(self, limits: Callable[[], Limits], may_continue: MayContinue, tell: Tell) -> Puzzle:
-        """Return the puzzle of the recording with most scans."""
+        """Return the puzzle of the recording with the most scans."""
         spec = self.spec
         tell(DRIVING, None)
         history = spec.history
@@ -108,7 +108,7 @@ class LogSource:
 
 
 def _renamed(log: ScanLog) -> ScanLog:
-    """Return the log of a simulation with the names and descriptions of trajectories that all puzzles have."""
+    """Return the log of a simulation with the trajectory names and descriptions common to all puzzles."""
     true, odometry = log.trajectory("true"), log.trajectory("odometry")
     if log.n_scans < 2:
         raise ConfigError("puzzle.short", "The robot has hardly moved yet: let it drive first.")

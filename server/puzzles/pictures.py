@@ -1,8 +1,8 @@
-"""Small pictures of the maps of the puzzles that come with the program, as they are when an attempt begins.
+"""Small pictures of the initial maps of the included puzzles.
 
-They are files of the program: to drive and to map for all of them takes several seconds of a processor that has nothing
-else to do. ``python -m server.puzzles.pictures`` writes them. Run it after a change of a puzzle, of the simulation or
-of the mapping; the test of ``codes_of`` fails until then.
+They are stored as files, because driving and mapping for all of them takes several seconds of an idle processor.
+``python -m server.puzzles.pictures`` writes them. Run it after a change of a puzzle, of the simulation or of the
+mapping; until then the test of ``codes_of`` fails.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ def picture_of(name: str, *, dark: bool) -> bytes:
 
 
 def codes_of(name: str) -> UInt8Array:
-    """Return the codes of the picture of a puzzle (rows, cols): its drive is simulated and mapped."""
+    """Return the codes of a puzzle's picture (rows, cols), by simulating and mapping its drive."""
     spoiled = RECIPES[name].make(lambda _: None)
     config = puzzle_config(spoiled.reference).with_values(spoiled.start)
     return picture_codes(mapped(spoiled.log, config, spoiled.trajectory), config.log_odds_min)
 
 
 def picture_codes(grid: OccupancyGrid, log_odds_min: float) -> UInt8Array:
-    """Return the codes of the picture of a map (rows, cols), row 0 at the greatest y, cut to the observed cells.
+    """Return the codes of a map's picture (rows, cols), row 0 at the greatest y, cropped to the observed cells.
 
-    A cell is a square of pixels, so that large cells have sharp borders when the picture is enlarged. A cell at
-    the lower clamp ``log_odds_min`` is free, as the page of the attempt shows it: a high clamp keeps all cells from
-    being so certain that they are classified as free.
+    A cell is a square of pixels, so that large cells have sharp borders when the picture is enlarged. A cell at the
+    lower clamp ``log_odds_min`` is drawn as free, as on the page of the attempt, because a high clamp keeps all cells
+    from being certain enough to be classified as free.
     """
     rows, cols = (np.flatnonzero(np.any(grid.observed, axis=axis)) for axis in (1, 0))
     seen = np.s_[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]

@@ -1,4 +1,4 @@
-"""The puzzles of one server: those that are ready to be solved, and the attempts at them by session."""
+"""The puzzles of one server: those ready to solve, and the attempts at them by session."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ if TYPE_CHECKING:
     from server.sessions.making import Making
     from server.sessions.model import SessionModel
 
-LOOK_S = 0.02  #: how often a thread that waits for another puzzle lets sessions compute
-KEPT = 16  #: puzzles that are kept ready; each has at most :data:`mapper.puzzles.puzzle.MAX_READINGS` readings
+LOOK_S = 0.02  #: interval at which a thread that waits for another puzzle yields to sessions
+KEPT = 16  #: number of puzzles kept ready; each has at most :data:`mapper.puzzles.puzzle.MAX_READINGS` readings
 
 
 class Puzzles:
-    """Puzzles that are ready, made once for all who solve them, and attempts. A puzzle is made on a worker thread."""
+    """Attempts, and ready puzzles, each created once for all visitors. Puzzles are created on worker threads."""
 
     def __init__(self) -> None:
         self._ready: OrderedDict[str, Puzzle] = OrderedDict()
-        self._lock = threading.Lock()  #: of the puzzles that are ready
-        self._making = threading.Lock()  #: held while one is made
+        self._lock = threading.Lock()  #: protects the ready puzzles
+        self._making = threading.Lock()  #: held while one is created
         self._games: dict[str, Game] = {}  #: by session
 
     @staticmethod
     def offered() -> list[OfferedPuzzle]:
-        """Return the puzzles that come with the program, without what tells their causes."""
+        """Return the included puzzles, without information about their causes."""
         return [OfferedPuzzle(recipe.name, recipe.level, recipe.title, recipe.story) for recipe in RECIPES.values()]
 
     @staticmethod
@@ -50,7 +50,7 @@ class Puzzles:
 
     @staticmethod
     def recipe(name: str) -> PuzzleSource:
-        """Return the source of a puzzle that comes with the program. Raises :class:`ConfigError` for an unknown one."""
+        """Return the source of an included puzzle. Raises :class:`ConfigError` for an unknown one."""
         if name not in RECIPES:
             raise ConfigError("puzzle.unknown", f"There is no puzzle {name!r:.80}.")
         return RecipeSource(name)
@@ -64,7 +64,7 @@ class Puzzles:
                 self._ready.move_to_end(key)
                 return known
         while not self._making.acquire(timeout=LOOK_S):
-            if not may_continue():  # which lets the sessions compute that wait for this thread
+            if not may_continue():  # this also lets sessions compute that wait for this thread
                 raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
         try:
             with self._lock:
@@ -111,13 +111,13 @@ class Puzzles:
         self._games.pop(session_id, None)
 
     def game(self, session_id: str) -> Game:
-        """Return the attempt of a session. Raises :class:`ConfigError` for a session that is no puzzle."""
+        """Return the attempt of a session. Raises :class:`ConfigError` for a session without a puzzle."""
         game = self._games.get(session_id)
         if game is None:
             raise ConfigError("puzzle.no_game", "This session has no puzzle.")
         return game
 
     def forget(self, key: str) -> None:
-        """Forget a puzzle that was removed; attempts at it go on."""
+        """Remove a deleted puzzle. Attempts at it continue."""
         with self._lock:
             self._ready.pop(key, None)

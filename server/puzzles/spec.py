@@ -16,12 +16,12 @@ from mapper.puzzles import CAUSES
 from server.sessions.view import LogView
 from server.sources.history import SimulationHistory
 
-AS_IT_IS = "as-it-is"  #: the fault that the session's parameters, or the robot, have now
-COARSE, WIDE = 0.1, 0.4  #: metres: cells and windows above this are a fault
+AS_IT_IS = "as-it-is"  #: the fault that the session's parameters, or the robot, currently have
+COARSE, WIDE = 0.1, 0.4  #: metres: larger cells and windows are a fault
 
 
 class WorldSpec(Struct, frozen=True, tag_field="kind", tag="story"):
-    """A puzzle of a simulated world: its history, the wanted ``fault``, its ``cause``, and the seed of its size."""
+    """A puzzle of a simulated world: its history, the requested ``fault``, its ``cause``, and the seed of its size."""
 
     history: SimulationHistory = field(name="story")
     fault: str
@@ -30,7 +30,7 @@ class WorldSpec(Struct, frozen=True, tag_field="kind", tag="story"):
 
 
 class SensorView(Struct, frozen=True):
-    """The sensor and the poses of a log, as :class:`server.sessions.view.LogView` has them."""
+    """The sensor and the poses of a log, as in :class:`server.sessions.view.LogView`."""
 
     topic: str | None
     trajectory: str | None
@@ -38,7 +38,7 @@ class SensorView(Struct, frozen=True):
 
 
 class LogSpec(Struct, frozen=True, tag_field="kind", tag="log"):
-    """A puzzle of a log: what of it is shown, the parameters that differ from the first ones, and the fault."""
+    """A puzzle of a log: its view, the parameters that differ from the initial ones, and the fault."""
 
     view: SensorView
     values: Values
@@ -51,23 +51,23 @@ Spec: TypeAlias = WorldSpec | LogSpec
 
 
 def spec_text(spec: Spec) -> str:
-    """Return a spec as it is stored."""
+    """Return a spec as stored text."""
     return json.dumps(msgspec.to_builtins(spec, enc_hook=SimulationHistory.model_dump))
 
 
 def spec_from_text(text: str) -> Spec:
-    """Return the spec of which :func:`spec_text` made ``text``.
+    """Return the spec from which :func:`spec_text` produced ``text``.
 
-    Raises ``msgspec.DecodeError`` for anything else, and :class:`ConfigError` for a command that there is not.
+    Raises ``msgspec.DecodeError`` for anything else, and :class:`ConfigError` for an unknown command.
     """
     spec: Spec = msgspec.json.decode(text, type=Spec, dec_hook=lambda _, story: SimulationHistory.model_validate(story))
     return spec
 
 
 def cause_of(values: Mapping[str, Any], faults: Mapping[str, Any], *, cone: bool = False) -> str:
-    """Return the cause of what is wrong with a map made with these ``values`` that differ from the first ones.
+    """Return the fault of a map made with these ``values`` that differ from the initial ones.
 
-    ``faults`` are those of a simulated robot. Raises :class:`ConfigError` where nothing is wrong.
+    ``faults`` are those of a simulated robot. Raises :class:`ConfigError` if there is no fault.
     """
     cause = {
         "drift": faults.get("drift") and not faults.get("slam"),
@@ -96,9 +96,9 @@ def _checked(cause: str) -> str:
 
 
 def spec_of_world(history: SimulationHistory, cause: str, seed: int, *, cone: bool) -> WorldSpec:
-    """Return the spec of a puzzle of a simulated world. Raises as :func:`cause_of`, and for a fault it cannot have.
+    """Return the spec of a puzzle of a simulated world. Raises like :func:`cause_of`, and for an impossible fault.
 
-    A world of which only the pose is known, and not the drive, is refused.
+    A world of which only the pose is known, and not the drive, is rejected.
     """
     kind = _checked(cause)
     if history.journal is None:
@@ -108,7 +108,7 @@ def spec_of_world(history: SimulationHistory, cause: str, seed: int, *, cone: bo
 
 
 def spec_of_log(view: LogView, values: Values, cause: str, seed: int, *, cone: bool) -> LogSpec:
-    """Return the spec of a puzzle of a log: ``view`` names its sensor and poses, ``values`` are those that differ."""
+    """Return the spec of a puzzle of a log: ``view`` has its sensor and poses, ``values`` the changed parameters."""
     kind = _checked(cause)
     named = cause_of(values, {}, cone=cone) if kind == AS_IT_IS else kind
     return LogSpec(SensorView(view.topic, view.trajectory, view.cut), values, kind, named, seed)

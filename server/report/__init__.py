@@ -1,6 +1,6 @@
-"""The report on a log for whoever asked for it: one page that needs no server, to be read or printed.
+"""The report on a log: one page that needs no server, to be read or printed.
 
-Each name is imported from its module with its first use: a service starts without what examines logs.
+Each name is imported from its module on first use, so that a service starts without the modules that examine logs.
 """
 
 from typing import TYPE_CHECKING

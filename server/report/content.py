@@ -1,4 +1,4 @@
-"""What the report on a log states: facts, events, findings, maps with their figures, notes, parameters and versions."""
+"""The contents of a report: facts, events, findings, maps with their figures, notes, parameters and versions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis, Event, Finding
     from server.library.annotations.notes import Pin
 
-MOST_CELLS = 1600  #: along a side of a picture; of a larger map several cells are one pixel
+MOST_CELLS = 1600  #: along a side of a picture; in a larger map several cells become one pixel
 MOST_POSES = 2000  #: of the path in a picture
 
 
@@ -41,9 +41,9 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class PlacedNote:
-    """A note on the log: at a time, seconds from the log's first scan, at a place on the map, metres, or at both.
+    """A note on the log: at a time, seconds from the log's first scan, at a place on the map, metres, or both.
 
-    ``outline`` has the corners of an area around that place, metres, where the note is on one.
+    ``outline`` has the corners of an area around that place, metres, if the note refers to one.
     """
 
     text: str
@@ -61,7 +61,7 @@ class PlacedNote:
 class ReportMap:
     """A map along one trajectory: the picture as PNG, of ``size_m`` metres from ``low_xy``, and its figures.
 
-    ``path_xy`` is the path of the robot and ``events_xy`` the place of each event, in metres as ``low_xy``.
+    ``path_xy`` is the path of the robot and ``events_xy`` the place of each event, in the frame of ``low_xy``, metres.
     """
 
     trajectory: str
@@ -78,7 +78,7 @@ class ReportMap:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """A report. ``maps`` has one map, or the one before a correction of the poses and the one after it."""
+    """A report. ``maps`` has one map, or those before and after a correction of the poses."""
 
     title: str
     made: datetime
@@ -106,8 +106,8 @@ def make_report(
 ) -> Report:
     """Return the report on ``log`` with the map along ``trajectory``, made with ``config``.
 
-    Where that is not the log's first trajectory, the map along that one is shown before it. Raises
-    :class:`ConfigError` for a trajectory that the log lacks and :class:`LimitError` for a map that is too large.
+    If that is not the log's first trajectory, the map along the first one precedes it. Raises :class:`ConfigError` for
+    an unknown trajectory and :class:`LimitError` for a map that is too large.
     """
     events = tuple(diagnosis.events)
     names = dict.fromkeys((log.default_trajectory, trajectory))

@@ -11,7 +11,7 @@ from mapper.diagnosis.events.event import clock_time
 from server.library.annotations.areas import area_of
 from server.report.content import PlacedNote, Report, ReportMap
 
-PATH, EVENT, NOTE = "#08705f", "#a63e08", "#6b3fa0"  #: colours of what is drawn on a map
+PATH, EVENT, NOTE = "#08705f", "#a63e08", "#6b3fa0"  #: colours of drawings on a map
 BARS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)  #: lengths of a scale bar
 STYLE = """
 @page { size: A4; margin: 14mm; }
@@ -118,7 +118,7 @@ def _findings(report: Report) -> str:
 def _map(drawn: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
     (width, height), (metres, _) = drawn.size_px, drawn.size_m
     scale = width / metres
-    unit = max(width, height) / 100.0  # of what is drawn on it
+    unit = max(width, height) / 100.0  # of the drawings on it
 
     def place(x: float, y: float) -> tuple[float, float]:
         return (x - drawn.low_xy[0]) * scale, height - (y - drawn.low_xy[1]) * scale

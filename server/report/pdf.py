@@ -1,7 +1,7 @@
 """The page of a report as PDF, by WeasyPrint, which needs the Pango library of the system.
 
-It has a process of its own: WeasyPrint has Pillow accept images that are cut off, everywhere in its process, and its
-computation would hold up the threads of a service. As a program it writes the PDF of the page on standard input.
+It runs in its own process, because WeasyPrint makes Pillow accept truncated images everywhere in its process, and its
+computation would block the threads of a service. As a program it writes the PDF of the page on standard input.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ import sys
 from mapper.core.errors import ConfigError
 
 PATIENCE_S = 120.0
-MISSING = 3  #: how the process ends where WeasyPrint or Pango is not installed
+MISSING = 3  #: exit status if WeasyPrint or Pango is not installed
 
 
 def report_pdf(page: str) -> bytes:
     """Return the page of :func:`server.report.page.report_page` as a PDF of A4 pages.
 
-    Nothing is fetched for it. Raises :class:`ConfigError` where WeasyPrint or Pango is not installed, and where no PDF
-    is made within two minutes.
+    Nothing is downloaded for it. Raises :class:`ConfigError` if WeasyPrint or Pango is not installed, and if the PDF is
+    not finished within two minutes.
     """
     program = [sys.executable, "-c", "from server.report.pdf import main; main()"]
     try:

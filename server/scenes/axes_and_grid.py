@@ -1,4 +1,4 @@
-"""The axes of the map frame and a grid of lines on the floor: drawings that every 3D view has, hidden at first."""
+"""The axes of the map frame and a grid of lines on the floor. Every 3D view has these drawings, initially hidden."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from server.sessions.drawings import Drawing, Segments
 from server.sessions.scene_controls import Bounds
 
 AXES, GRID = "Axes", "Grid"
-OFF_AT_FIRST = frozenset({AXES, GRID})  #: labels of drawings that are hidden until somebody switches them on
-LEAST_CELLS = 8  #: of the grid along the longer side of the bounds
+OFF_AT_FIRST = frozenset({AXES, GRID})  #: labels of drawings that are hidden until they are switched on
+LEAST_CELLS = 8  #: least number of cells along the longer side of the bounds
 LIFT = 0.01  #: height of the lines over the floor, in cells, so that the floor does not hide them
-LINE = (128, 128, 128)  #: as dark on a light page as it is light on a dark one
+LINE = (128, 128, 128)  #: contrast on a light page equals that on a dark one
 X, Y, Z = (214, 60, 50), (58, 150, 60), (50, 100, 214)
 
 
@@ -29,7 +29,7 @@ def spacing_of(bounds: Bounds) -> float:
 def axes_and_grid(bounds: Bounds, floor: float) -> tuple[Drawing, Drawing]:
     """Return the axes at the origin of the map frame, and the grid that covers ``bounds`` at the height ``floor``.
 
-    The lines lie at multiples of their distance in x and y, metres. The axes are as long as two of these distances.
+    The lines are at multiples of their distance in x and y, metres. The length of the axes is twice this distance.
     """
     spacing = spacing_of(bounds)
     low = np.floor(np.array(bounds[:2]) / spacing)

@@ -1,6 +1,6 @@
-"""Filter for messages from viser's client to viser: those that a scene needs, with valid fields.
+"""Filter for messages from viser's client to viser. Only those that a scene needs, with valid fields, pass.
 
-At a client's request viser would also open a public tunnel, accept files and set any property of its objects.
+At a client's request, viser would also open a public tunnel, accept files and set any property of its objects.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ UNIT_TOLERANCE = 1e-3  #: tolerance of the norm of a unit quaternion
 
 _Number = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
 _Point = tuple[_Number, _Number, _Number]
-_Pixels = Annotated[float, msgspec.Meta(ge=1, le=100_000)]  # browsers send fractions, too
+_Pixels = Annotated[float, msgspec.Meta(ge=1, le=100_000)]  # may be fractional
 
 
 class _Camera(msgspec.Struct, tag_field="type", tag="ViewerCameraMessage", forbid_unknown_fields=True):
@@ -36,7 +36,7 @@ class _Moved(msgspec.Struct, tag_field="type", tag="CameraMovedMessage", forbid_
 
 
 class _Click(msgspec.Struct, tag_field="type", tag="ScenePointerMessage", forbid_unknown_fields=True):
-    """viser's message on a click into the scene."""
+    """viser's message about a click in the scene."""
 
     event_type: Literal["click"]
     ray_origin: _Point
@@ -50,7 +50,7 @@ class _Value(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class _Update(msgspec.Struct, tag_field="type", tag="GuiUpdateMessage", forbid_unknown_fields=True):
-    """viser's message on a control that was changed."""
+    """viser's message about a changed control."""
 
     uuid: Annotated[str, msgspec.Meta(max_length=100)]
     updates: _Value
@@ -61,7 +61,7 @@ _Owner = Literal[""]  #: the scene of the server; viser could also keep a scene 
 
 
 class _GizmoMove(msgspec.Struct, tag_field="type", tag="TransformControlsUpdateMessage", forbid_unknown_fields=True):
-    """viser's message on a gizmo that was moved or rotated."""
+    """viser's message about a moved or rotated gizmo."""
 
     name: _NodeName
     wxyz: tuple[_Number, _Number, _Number, _Number]
@@ -72,7 +72,7 @@ class _GizmoMove(msgspec.Struct, tag_field="type", tag="TransformControlsUpdateM
 class _GizmoDragStart(
     msgspec.Struct, tag_field="type", tag="TransformControlsDragStartMessage", forbid_unknown_fields=True
 ):
-    """viser's message on the start of a gizmo's drag."""
+    """viser's message about the start of a gizmo drag."""
 
     name: _NodeName
     owner: _Owner = ""
@@ -81,7 +81,7 @@ class _GizmoDragStart(
 class _GizmoDragEnd(
     msgspec.Struct, tag_field="type", tag="TransformControlsDragEndMessage", forbid_unknown_fields=True
 ):
-    """viser's message on the end of a gizmo's drag."""
+    """viser's message about the end of a gizmo drag."""
 
     name: _NodeName
     owner: _Owner = ""

@@ -1,4 +1,4 @@
-"""Places of the camera from which one looks at a world or a map."""
+"""Camera positions for viewing a world or a map."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from server.stream.message_parts import CameraName, RobotCameraName
 
 Vector = tuple[float, float, float]
 
-#: Name → direction from the centre of the bounds to the camera, of any length. From straight above, the camera is a
-#: little to the south, so that north is up.
+#: Name → direction from the centre of the bounds to the camera, of any length. The camera above is moved slightly to
+#: the south, so that north is up.
 CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
     {
         "overview": (0.0, -0.75, 0.95),
@@ -30,35 +30,35 @@ CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
 )
 
 
-#: Cameras that move with the robot: name → where it is and where it looks, seen from the robot, x ahead and z up,
-#: metres. What the camera of the robot itself looks at is near, so that dragging turns it and hardly moves it.
+#: Cameras that move with the robot: name → position and target relative to the robot, x ahead and z up, metres. The
+#: target of the robot's own camera is near, so that dragging turns the camera and hardly moves it.
 ROBOT_CAMERAS: Mapping[RobotCameraName, tuple[Vector, Vector]] = MappingProxyType(
     {"follow": ((-4.0, 0.0, 2.5), (1.0, 0.0, 0.0)), "first person": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0))}
 )
 
 
 class Aim(NamedTuple):
-    """Where a camera was told to look from, for a picture of an aspect ratio."""
+    """Pose assigned to a camera, for a picture of an aspect ratio."""
 
     name: CameraName
     aspect: float
     position: Vector  #: metres
 
 
-DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)  #: metres, where a model states none
+DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)  #: metres, if a model has none
 FOV = 0.8  #: vertical field of view of all cameras, radians
-MARGIN = 1.03  #: by which a box is seen smaller than the picture
+MARGIN = 1.03  #: factor by which a box appears smaller than the picture
 LEAST_SIDE = 0.1  #: of a box from above, metres
 
 
 def camera_at(name: CameraName, bounds: Bounds, aspect: float, heights: Heights) -> tuple[Vector, Vector]:
-    """Return where the camera ``name`` is and what it looks at, metres: the box of the bounds and the heights fills
-    a picture of the aspect ratio ``aspect``, in width or in height.
+    """Return the position and the target of the camera ``name``, metres.
 
-    With u, r, d a corner's coordinates upwards and to the right in the picture and towards the camera, and t the
-    tangent of half of the field of view, a camera at the distance f that is moved by c upwards sees the corner if
-    |u - c| ≤ (f - d) t. So c is between max(u + d t) - f t and min(u - d t) + f t, which leaves one c at the least f;
-    to the right likewise.
+    The box of the bounds and the heights fills a picture of the aspect ratio ``aspect``, in width or in height. Let u,
+    r, d be a corner's coordinates upwards and to the right in the picture and towards the camera, and t the tangent of
+    half of the field of view. A camera at the distance f that is moved by c upwards sees the corner if |u - c| ≤ (f -
+    d) t. So c is between max(u + d t) - f t and min(u - d t) + f t, which leaves one c at the least f. The same holds
+    for the direction to the right.
     """
     low, high = (np.array([*bounds[at : at + 2], heights[at // 2]]) for at in (0, 2))
     sides = np.maximum(high - low, (LEAST_SIDE, LEAST_SIDE, 0.0))
@@ -76,7 +76,7 @@ def camera_at(name: CameraName, bounds: Bounds, aspect: float, heights: Heights)
 
 
 def robot_camera_at(name: RobotCameraName, sight: Sight) -> tuple[Vector, Vector]:
-    """Return where the camera ``name`` is and what it looks at, metres; that of the robot looks up and down with it."""
+    """Return the position and the target of the camera ``name``, metres. The robot's own camera pitches with it."""
     place, look_at = ROBOT_CAMERAS[name]
     if name == "first person":
         return sight.place, _vector(np.array(sight.place) + look_at[0] * np.array(sight.ahead))
@@ -84,12 +84,12 @@ def robot_camera_at(name: RobotCameraName, sight: Sight) -> tuple[Vector, Vector
 
 
 def carried(place: ArrayLike, sight: Sight) -> Vector:
-    """Return where a place is on the map, metres, that is known from the robot, x ahead and z up."""
+    """Return the map coordinates, metres, of a place given relative to the robot, x ahead and z up."""
     return _vector(_turn(sight) @ np.asarray(place) + sight.place)
 
 
 def seen_from(place: ArrayLike, sight: Sight) -> Vector:
-    """Return where a place of the map is, metres, seen from the robot, x ahead and z up."""
+    """Return the coordinates of a place of the map, metres, relative to the robot, x ahead and z up."""
     return _vector((np.asarray(place) - sight.place) @ _turn(sight))
 
 

@@ -1,7 +1,7 @@
-"""Triangles of a chunk as a binary glTF file of few bytes.
+"""Triangles of a chunk as a compact binary glTF file.
 
-Positions are whole numbers (KHR_mesh_quantization). The material is not lit (KHR_materials_unlit): its colours have the
-light in them, because lights are what a slow machine needs most of its time for. viser packs the file with zstd.
+Positions are integers (KHR_mesh_quantization). The material is unlit (KHR_materials_unlit) and the colours include the
+light, because lights take most of the time on a slow machine. viser compresses the file with zstd.
 
 Source: glTF 2.0 Specification, Khronos Group, and the two extensions.
 """
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: How bright a face is by its side: −x, +x, −y, +y, −z, +z; light from above and from the south-west.
+#: Brightness of a face by side: −x, +x, −y, +y, −z, +z; light from above and from the south-west.
 LIGHT = np.array([0.86, 0.74, 0.93, 0.66, 0.5, 1.0])
 
 _COMPONENTS = {np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
@@ -33,7 +33,7 @@ _ABOUT = json.dumps(
     },
     separators=(",", ":"),
 )
-#: What differs from file to file is put in as numbers: a scan changes a hundred chunks.
+#: Only the numbers that differ between files are inserted, because a scan changes a hundred chunks.
 _NUMBERS = (
     ',"buffers":[{"byteLength":%d}],"bufferViews":['
     '{"buffer":0,"byteOffset":0,"byteLength":%d,"byteStride":%d,"target":34962},'
@@ -48,8 +48,8 @@ _NUMBERS = (
 def glb_bytes(places: NDArray[Any], colors: NDArray[np.uint8], triangles: NDArray[Any]) -> bytes:
     """Return triangles (m, 3), m > 0, as a GLB file.
 
-    ``places`` (n, 3) uint8 or uint16 are the vertices, ``colors`` (n, 4) uint8 linear RGB and alpha; ``triangles`` are
-    of uint16 where there are so few vertices, or of uint32.
+    ``places`` (n, 3) uint8 or uint16 are the vertices, ``colors`` (n, 4) uint8 linear RGB and alpha. ``triangles`` are
+    stored as uint16 if there are few enough vertices, otherwise as uint32.
     """
     n = len(places)
     positions = np.zeros((n, 4), dtype=places.dtype)  # a vertex begins at a multiple of four bytes
@@ -57,7 +57,7 @@ def glb_bytes(places: NDArray[Any], colors: NDArray[np.uint8], triangles: NDArra
     parts = [positions.tobytes(), colors.tobytes(), triangles.tobytes()]
     a, b, c = map(len, parts)
     stride, kind = 4 * places.itemsize, _COMPONENTS[places.dtype]
-    # The bounds of columns that follow each other in memory are found faster.
+    # Bounds are found faster in contiguous columns.
     columns = np.ascontiguousarray(places.T)
     low, high = (bound.tolist() for bound in (columns.min(axis=1), columns.max(axis=1)))
     text = (

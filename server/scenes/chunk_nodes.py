@@ -1,4 +1,4 @@
-"""One node of viser for each chunk of a map in 3D. Only chunks that changed are sent again."""
+"""One viser node for each chunk of a 3D map. Only changed chunks are sent again."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ ContentT = TypeVar("ContentT")
 
 
 class ChunkNodes(Generic[ContentT]):
-    """Replaces the node of a changed chunk; the old one stays until the browser has had time to read the new one.
+    """Replaces the node of a changed chunk. The old node is kept until the browser has had time to read the new one.
 
-    viser's client reads a GLB file while it goes on drawing: a node of the same name would vanish meanwhile. A chunk
-    has changed if its content is another object.
+    viser's client continues drawing while it reads a GLB file, so that a node of the same name would vanish meanwhile.
+    A chunk has changed if its content is another object.
     """
 
     def __init__(self, scene: viser.SceneApi, path: str) -> None:
@@ -29,7 +29,7 @@ class ChunkNodes(Generic[ContentT]):
 
     @property
     def unsettled(self) -> bool:
-        """Whether replaced nodes are still there: the next :meth:`show` removes them."""
+        """Whether replaced nodes still exist, which the next :meth:`show` removes."""
         return bool(self._old)
 
     def forget(self) -> None:
@@ -43,7 +43,7 @@ class ChunkNodes(Generic[ContentT]):
         scale: float,
         place: Callable[[NDArray[np.int64]], NDArray[np.float64]],
     ) -> None:
-        """Send the chunks that changed, ``encoded`` as GLB files at ``place`` of their key, enlarged by ``scale``."""
+        """Send changed chunks, ``encoded`` as GLB files, at ``place`` of their key, scaled by ``scale``."""
         for node in self._old:
             node.remove()
         self._old.clear()

@@ -1,4 +1,4 @@
-"""The drawers of one scene: one for each present drawing of the model."""
+"""The drawers of one scene: one for each current drawing of the model."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from server.scenes.reading import Reading, SceneState
 from server.scenes.viser_server import ViserServer
 from server.sessions.drawings import MAX_DRAWING_BYTES, Drawing, Point
 
-SHARE = 0.1  #: largest share of the time that one drawing may take,
-QUICK_S = 0.01  #: unless it takes less than this: on a busy machine even a pose may take milliseconds
+SHARE = 0.1  #: largest share of the time for one drawing,
+QUICK_S = 0.01  #: unless it takes less than this, because on a busy machine even a pose may take milliseconds
 
 _log = structlog.get_logger(__name__)
 
@@ -41,21 +41,21 @@ class SceneContents:
         self._drawers: dict[str, Drawer[Any, Any]] = {}
         self._due: dict[str, float] = {}  #: when each drawing may be drawn again
         self._refused: set[str] = set()
-        self.height = 1.0  #: of the map's columns, as a multiple of what it is by default
+        self.height = 1.0  #: of the map's columns, as a multiple of the default
 
     def due(self, drawing: Drawing) -> bool:
         """Return whether a drawing may be drawn now."""
         return self._due.get(drawing.name, 0.0) <= time.monotonic()
 
     def set_height(self, height: float) -> None:
-        """Draw the map's columns ``height`` times as high as by default (a thread)."""
+        """Draw the map's columns ``height`` times as high as by default (called on a thread)."""
         self.height = height
         with self._server.atomic():
             for drawer in list(self._drawers.values()):
                 drawer.set_height(height)
 
     def met(self, origin: Point, direction: Point) -> Point | None:
-        """Return where a line of sight meets the columns of a map first (any thread); None: it meets none."""
+        """Return where a line of sight first meets the columns of a map (any thread); None if it does not."""
         shown = [drawer for drawer in list(self._drawers.values()) if drawer.frame.visible]
         places = [place for drawer in shown if (place := drawer.met(origin, direction)) is not None]
         return min(places, key=lambda place: math.dist(origin, place), default=None)
@@ -66,7 +66,7 @@ class SceneContents:
 
     @property
     def unsettled(self) -> bool:
-        """Whether a change by a user in the scene still waits for the model's confirmation."""
+        """Whether a change by a user in the scene still waits for confirmation by the model."""
         return any(drawer.unsettled for drawer in self._drawers.values())
 
     def show(self, state: SceneState) -> float | None:
@@ -103,7 +103,7 @@ class SceneContents:
         self._due[drawing.name] = started + max(pause, took / SHARE)
 
     def _is_allowed(self, drawing: Drawing) -> bool:
-        """Return whether a drawing is small enough to be sent; log once that it is not."""
+        """Return whether a drawing is small enough to be sent. If it is not, that is logged once."""
         if drawing.nbytes <= MAX_DRAWING_BYTES:
             self._refused.discard(drawing.name)
             return True

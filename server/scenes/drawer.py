@@ -27,16 +27,17 @@ class DrawerContext:
 
 
 class Drawer(ABC, Generic[DrawingT, ContentT]):
-    """Draws the drawings of one name, one after the other, with viser.
+    """Draws successive drawings of one name with viser.
 
-    :meth:`read` returns what is to be drawn of a drawing and :meth:`show` draws it; the drawer compares it with what it
-    showed before. All calls come from threads, one at a time. A drawer puts its nodes under ``frame``, whose name is
-    that of the drawing.
+    :meth:`read` returns the content of a drawing and :meth:`show` draws it, sending what differs from the previous
+    content. All calls come from threads, one at a time. A drawer puts its nodes under ``frame``, whose name is that of
+    the drawing.
     """
 
     reads_live_arrays: ClassVar[bool] = False
-    """Whether drawings hold arrays that the session updates: :meth:`read` is then called with the session's lock held,
-    and has to copy."""
+    """Whether drawings contain arrays that the session updates.
+
+    :meth:`read` is then called with the session's lock held, and must copy."""
     max_hz: ClassVar[float] = 15.0
     """Highest rate at which the drawing is read and shown; lower if that would take more than a tenth of the time."""
 
@@ -50,23 +51,23 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
 
     @classmethod
     def read(cls, drawing: DrawingT) -> ContentT:
-        """Return what is to be drawn."""
+        """Return the content to draw."""
         return cast("ContentT", drawing)
 
     @abstractmethod
     def show(self, content: ContentT) -> None:
-        """Draw ``content``: send what differs from what was shown before."""
+        """Draw ``content``: send what differs from the previous one."""
 
     @property
     def unsettled(self) -> bool:
-        """Whether a change by a user in the scene still waits for the model's confirmation."""
+        """Whether a change by a user in the scene still waits for confirmation by the model."""
         return False
 
     def set_height(self, height: float) -> None:
-        """Draw what stands on the floor ``height`` times as high as by default."""
+        """Scale the height of everything on the floor by ``height``."""
 
     def met(self, origin: Point, direction: Point) -> Point | None:  # noqa: ARG002 - few hide what is behind them
-        """Return where a line of sight meets it, metres (any thread); None: nowhere, or it hides nothing."""
+        """Return where a line of sight meets it, metres (any thread); None if it does not, or it hides nothing."""
         return None
 
     def remove(self) -> None:
@@ -74,7 +75,7 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
         self.frame.remove()
 
     def place(self, drawing: PlacedDrawing) -> None:
-        """Move the frame to the drawing's pose; viser sends only changes."""
+        """Move the frame to the drawing's pose. viser sends only changes."""
         self.frame.position = drawing.position
         self.frame.wxyz = drawing.wxyz
 
@@ -85,7 +86,7 @@ def yaw_wxyz(yaw: float) -> Quaternion:
 
 
 def differs(old: Drawing | None, new: Drawing, *names: str) -> bool:
-    """Return whether two drawings differ in one of these fields; True without an old one. Arrays are compared whole."""
+    """Return whether two drawings differ in one of these fields; True without an old one. Arrays are compared fully."""
     return old is None or not all(_equal(getattr(old, name), getattr(new, name)) for name in names)
 
 

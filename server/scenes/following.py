@@ -1,4 +1,4 @@
-"""A camera that moves with the robot, and keeps the place relative to the robot to which somebody moved it."""
+"""A camera that moves with the robot. It keeps the place relative to the robot to which a user moved it."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from server.scenes.cameras import Vector, carried, robot_camera_at, seen_from
 from server.sessions.scene_controls import Sight
 from server.stream.message_parts import RobotCameraName
 
-MOST_ON_THEIR_WAY = 64  #: places that a browser was told and has not reported yet
+MOST_ON_THEIR_WAY = 64  #: maximum number of places sent to a browser that it has not reported yet
 
 
 class Following:
-    """Where the camera ``name`` of a view is, as the robot moves and as its browser reports."""
+    """The camera ``name`` of a view, updated by the robot's motion and by reports of its browser."""
 
     def __init__(self, name: RobotCameraName) -> None:
         self._name: RobotCameraName = name
         self._moved: tuple[Vector, Vector] | None = (
-            None  #: its place and what it looks at, from the robot; None: as told
+            None  #: its position and target relative to the robot; None: the defaults
         )
         self._told: deque[tuple[Vector, Sight]] = deque(maxlen=MOST_ON_THEIR_WAY)  #: the first is the last one reported
 
     def follow(self, sight: Sight) -> tuple[Vector, Vector] | None:
-        """Return where the camera is to be and what it looks at, metres; None: as it was told last."""
+        """Return the new position and target of the camera, metres; None if unchanged."""
         if self._told and self._told[-1][1] == sight:
             return None
         if self._moved is None:
@@ -36,7 +36,7 @@ class Following:
         return place, look_at
 
     def reported(self, position: ArrayLike, look_at: ArrayLike) -> None:
-        """Note where a browser's camera is: where it was told to be some time ago, unless somebody has moved it."""
+        """Record a browser's camera. It is where it was sent some time ago, unless a user has moved it."""
         reports = list(self._told)
         for number, (place, _) in enumerate(reports):
             if np.allclose(position, place, atol=1e-3):
@@ -48,5 +48,5 @@ class Following:
             self._moved = seen_from(position, sight), seen_from(look_at, sight)
 
     def forget_told(self) -> None:
-        """Tell the place again with the next :meth:`follow`: another connection shows the view."""
+        """Send the place again with the next :meth:`follow`, because another connection shows the view."""
         self._told.clear()

@@ -1,7 +1,7 @@
 """The geometry of a map in 3D: columns for occupied cells, an image for the floor. NumPy only.
 
-The height of a column grows with p_occ; the floor shows p_occ as a colour and is transparent in unobserved cells.
-Large grids are drawn at a lower resolution, which bounds the cost of the scene.
+The height of a column grows with p_occ. The floor shows p_occ as a colour and is transparent in unobserved cells. Large
+grids are drawn at a lower resolution, which bounds the cost of the scene.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from mapper.grid import OCCUPIED_THRESHOLD, TILE, GridGeometry, log_odds
 from server.scenes.shapes import Mesh, boxes
 from server.sessions.drawings import COLUMN_M
 
-MAX_SIDE = 1024  #: most cells along a side that are drawn; of a larger grid, blocks of cells are drawn
+MAX_SIDE = 1024  #: maximum number of drawn cells along a side; in a larger grid, blocks of cells are drawn
 STEPS = np.asarray(log_odds([OCCUPIED_THRESHOLD, 0.8, 0.9, 0.95]), dtype=np.float32)  #: log-odds of each level
 HEIGHTS = COLUMN_M * np.array([0.0, 0.4, 0.7, 0.9, 1.0])  #: metres of a column of level 0 … 4
-# The floor at p_occ = 0, 0.5 and 1, free, undecided, occupied: its colours on a light page, and how opaque it is. One
-# scene serves pages of both schemes, so what is free lets the page's background through and is dark on a dark page.
+# The floor at p_occ = 0, 0.5 and 1 (free, undecided, occupied): its colours on a light page, and its opacity. One scene
+# serves light and dark pages, so the page's background shows through free cells, which are dark on a dark page.
 _FLOOR_P = (0.0, 0.5, 1.0)
 _FLOOR_RGBA = ((191, 220, 243, 0.4), (241, 238, 230, 0.4), (201, 104, 42, 1.0))
 LIGHT_BACKGROUND = (250, 248, 242)  #: of a page's 3D view, see :mod:`server.scenes.proxy`
 
 
 def _floor_colours() -> NDArray[np.uint8]:
-    """Return the colour (256, 4), RGBA, of each step of p_occ, which over the light background is that of the list."""
+    """Return the colours (256, 4), RGBA, of p_occ; over the light background they look like those listed."""
     steps = np.linspace(0, 1, 256)
     shown = np.column_stack([np.interp(steps, _FLOOR_P, channel) for channel in zip(*_FLOOR_RGBA, strict=True)])
     opacity = shown[:, 3:]
@@ -39,10 +39,10 @@ _FLOOR = _floor_colours()
 
 @dataclass(frozen=True, slots=True)
 class MapLevels:
-    """The drawn form of a map: ``levels`` (rows, cols) uint8, 0 … 4, and ``floor`` (rows, cols, 4) uint8.
+    """The drawn form of a map: ``levels`` (rows, cols) uint8, 0 to 4, and ``floor`` (rows, cols, 4) uint8.
 
-    Row 0 lies at the smallest y. What is drawn as a cell is ``cell`` metres wide, and is a block of ``block`` ×
-    ``block`` cells of the map, of which ``occupied`` (block × rows, block × cols) are occupied.
+    Row 0 is at the smallest y. A drawn cell is ``cell`` metres wide, and is a block of ``block`` × ``block`` cells of
+    the map, of which ``occupied`` (block × rows, block × cols) are occupied.
     """
 
     levels: NDArray[np.uint8]
@@ -76,7 +76,7 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
     for step in STEPS:
         levels += seen > step
     unseen = np.isneginf(seen)
-    # Unobserved cells are transparent, in the colour of free ones, so that smoothing gives the floor no dark edge.
+    # Unobserved cells are transparent and have the colour of free ones, so that smoothing adds no dark edge.
     p_occ = 1.0 / (1.0 + np.exp(-np.where(unseen, np.float32(-8.0), seen)))
     floor = _FLOOR[(p_occ * 255.0).astype(np.uint8)]
     floor[unseen, 3] = 0
@@ -86,19 +86,19 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
 def first_column(
     shown: MapLevels, scale: float, start: NDArray[np.float64], along: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
-    """Return the place (3,) at which a line of sight is in the first column that it meets; None: it meets none.
+    """Return the place (3,) at which a line of sight is in the first column that it meets; None if it meets none.
 
-    ``start`` and ``along`` (3,) are in the frame of the map, metres, and so is the place; columns are ``scale`` times
-    as high as :data:`HEIGHTS`. The place is the middle of the line's way through the column, because the side by which
-    it enters is the border of two cells. In the column of a block of cells it is in an occupied one of them: in the
-    first that the line meets, else in the middle of the nearest to its way through the column.
+    ``start``, ``along`` (3,) and the place are in the frame of the map, metres; columns are ``scale`` times as high as
+    :data:`HEIGHTS`. The place is the middle of the line's segment in the column, because the side by which it enters is
+    the border of two cells. In the column of a block of cells, it is in an occupied one: the first that the line meets,
+    otherwise the centre of the one nearest to the line's segment.
     """
     top = scale * HEIGHTS[-1]
     enter, leave = _shares_inside(np.zeros(3), np.array([*shown.size_m, top]), start, along)
     if not enter < leave < np.inf:
         return None
     cells = _cells_along(*((start[:2] + share * along[:2]) / shown.cell for share in (enter, leave)))
-    cells = cells[((cells >= 0) & (cells < shown.levels.shape)).all(axis=1)]  # an end may lie in the map's border
+    cells = cells[((cells >= 0) & (cells < shown.levels.shape)).all(axis=1)]  # an end may be on the map's border
     heights = scale * HEIGHTS[shown.levels[*cells.T]]
     shares = _shares_of_columns(cells, shown.cell, heights, start, along)
     met = np.flatnonzero((heights > 0.0) & np.isfinite(shares))
@@ -122,9 +122,9 @@ def first_column(
 def _shares_of_columns(
     cells: NDArray[np.intp], width: float, heights: ArrayLike, start: NDArray[np.float64], along: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the middles (n,) of a line's ways through columns, as multiples of ``along``; ∞ where it meets none.
+    """Return the middles (n,) of a line's segments in columns, as multiples of ``along``; ∞ if it does not meet them.
 
-    The columns stand on ``cells`` (n, 2), row and column, ``width`` metres wide, and are ``heights`` high, metres.
+    The columns stand on ``cells`` (n, 2), row and column, are ``width`` metres wide, and ``heights`` high, metres.
     """
     low = np.column_stack([cells[:, ::-1] * width, np.zeros(len(cells))])
     high = np.column_stack([low[:, :2] + width, np.broadcast_to(heights, len(cells))])
@@ -137,7 +137,7 @@ def _shares_of_columns(
 def _cells_along(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.intp]:
     """Return the cells (n, 2), row and column, that a line crosses, in order, from its ends (2,), column and row.
 
-    Between two crossings of the grid's lines the line is in the cell of its middle there.
+    Between two crossings of grid lines, the line is in the cell that contains the midpoint.
     """
     along = end - start
     shares = [np.array([0.0, 1.0])]
@@ -156,11 +156,11 @@ def _shares_inside(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return where a ray enters and leaves boxes from ``low`` to ``high`` (..., 3), as multiples of ``along`` from 0.
 
-    It meets those that it enters before it leaves them. Source: the slabs of Kay & Kajiya, SIGGRAPH 1986.
+    It meets those that it enters before leaving them. Source: the slabs of Kay & Kajiya, SIGGRAPH 1986.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        at_low, at_high = ((side - start) / (along + 0.0) for side in (low, high))  # + 0.0: there is no −0.0 then
-    # What lies in the plane of a side and is parallel to it has 0 / 0 there, and is between the two sides.
+        at_low, at_high = ((side - start) / (along + 0.0) for side in (low, high))  # + 0.0 avoids −0.0
+    # A line in the plane of a side and parallel to it yields 0 / 0 there, and is between the two sides.
     at_low, at_high = np.where(np.isnan(at_low), -np.inf, at_low), np.where(np.isnan(at_high), np.inf, at_high)
     enter = np.minimum(at_low, at_high).max(axis=-1, initial=0.0)
     return enter, np.maximum(at_low, at_high).min(axis=-1)
@@ -176,7 +176,7 @@ def changed_tiles(new: NDArray[np.uint8], old: NDArray[np.uint8] | None) -> list
 
 
 def tile_columns(levels: NDArray[np.uint8], tile: tuple[int, int], cell: float) -> Mesh:
-    """Return the columns of one tile as boxes, metres from cell (0, 0)'s corner; a run of equal level is one box."""
+    """Return the columns of one tile as boxes, metres from the corner of cell (0, 0); equal neighbours share one."""
     row, col = tile[0] * TILE, tile[1] * TILE
     part = levels[row : row + TILE, col : col + TILE]
     along, across = _runs(part), _runs(part.T)

@@ -1,4 +1,4 @@
-"""What belongs to a page in its own 3D views alone: the place that it has selected, and what it measures."""
+"""Drawings of a page only in its own 3D views: the selected place and the measurement."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ HEIGHT_M = 2.0  #: of the pole at the place: four times the highest columns of a
 WIDTH = 5.0  #: pixels
 RULER_WIDTH = 3.0  #: pixels
 RULER = (110, 40, 200)
-LIFT_M = 0.02  #: of what is measured: on the floor it is not hidden by it
+LIFT_M = 0.02  #: above the floor, so that the floor does not hide the measurement
 
 Place = tuple[float, float]  #: x, y, map metres
 
 
 class Mark(NamedTuple):
-    """What a view shows of its page alone; None: nothing."""
+    """The marks that a view shows only for its page; None for none."""
 
     selected: Place | None
     measured: MeasureCommand | None
 
 
 class Marks:
-    """A pole at the selected place, and lines with their lengths, in each view that has them."""
+    """A pole at the selected place, and measured lines with their lengths, in each view that has them."""
 
     def __init__(self, server: ViserServer) -> None:
         self._server = server
-        self._shown: dict[int, Mark] = {}  #: by viser's number of its client
+        self._shown: dict[int, Mark] = {}  #: by the number of viser's client
 
     def show(self, marks: Mapping[int, Mark]) -> None:
-        """Draw what changed (a thread)."""
+        """Draw what changed (called on a thread)."""
         nothing = Mark(None, None)
         for number, client in self._server.get_clients().items():
             new, old = marks.get(number, nothing), self._shown.get(number, nothing)
@@ -54,7 +54,7 @@ class Marks:
                     _draw_ruler(client.scene, new.measured)
 
     def forget(self, number: int) -> None:
-        """Note that a client has disconnected (any thread)."""
+        """Record that a client has disconnected (any thread)."""
         self._shown.pop(number, None)
 
 
@@ -64,7 +64,7 @@ def _draw_pole(scene: viser.SceneApi, place: Place) -> None:
 
 
 def _draw_ruler(scene: viser.SceneApi, measured: MeasureCommand) -> None:
-    """Draw the lines from each point to the next with their lengths, and an upright stroke at the first point."""
+    """Draw the lines from each point to the next with their lengths, and a vertical line at the first point."""
     points = [(x, y, z + LIFT_M) for x, y, z in measured.points or ()]
     if not points:
         return

@@ -20,7 +20,7 @@ from server.scenes.axes_and_grid import OFF_AT_FIRST
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.stream.commands import PauseCommand, PlayCommand, RestartCommand, SeekCommand
 
-CONFIRM_TIMEOUT_S = 1.5  #: longest time in which a control shows a value that the session has not confirmed
+CONFIRM_TIMEOUT_S = 1.5  #: longest time for which a control shows a value that the session has not confirmed
 Post = Callable[[Struct], None]
 
 
@@ -32,7 +32,7 @@ class ParameterControls:
         self._command = table.command
         self._handles: dict[str, Any] = {}
         self._rows: dict[str, Parameter] = {}
-        self._chosen: dict[str, tuple[Any, float]] = {}  #: name → (value that was chosen, time at which it expires)
+        self._chosen: dict[str, tuple[Any, float]] = {}  #: name → (chosen value, time at which it expires)
         groups: dict[str, list[Parameter]] = {}
         for row in table.rows:
             groups.setdefault(row.group, []).append(row)
@@ -135,7 +135,7 @@ class Clock:
 
 
 class NamedChoice:
-    """A choice of one of several names, posted as its command with a ``name``."""
+    """A choice between names, posted as its command with a ``name``."""
 
     def __init__(self, gui: viser.GuiApi, choice: Choice, post: Post) -> None:
         self._handle: Any = gui.add_dropdown(choice.label, choice.names, initial_value=choice.current)
@@ -195,7 +195,7 @@ class VisibilitySwitches:
     """A folder "Show" with a switch for each label of the scene's nodes."""
 
     def __init__(self, gui: viser.GuiApi, switched: Callable[[], None]) -> None:
-        """``switched`` is called where a user has switched one (viser's thread)."""
+        """Create the switches. ``switched`` is called when a user has used a switch (viser's thread)."""
         self._gui = gui
         self._switched = switched
         self._folder = gui.add_folder("Show", expand_by_default=False)
@@ -222,7 +222,7 @@ class VisibilitySwitches:
         return {label: bool(switch.value) for label, switch in list(self._switches.items())}
 
     def switch(self, label: str, *, visible: bool) -> None:
-        """Show or hide the nodes of a label; an unknown one is no error."""
+        """Show or hide the nodes of a label. An unknown label is ignored."""
         switch = self._switches.get(label)
         if switch is not None and switch.value != visible:
             switch.value = visible
@@ -230,7 +230,7 @@ class VisibilitySwitches:
 
     def _apply(self, label: str) -> None:
         for node in self._nodes.get(label, ()):
-            with contextlib.suppress(RuntimeError):  # the node was removed meanwhile
+            with contextlib.suppress(RuntimeError):  # the node was removed in the meantime
                 node.visible = self._switches[label].value
 
     def _add(self, label: str) -> viser.GuiInputHandle[bool]:

@@ -1,8 +1,8 @@
 """Proxy between a browser and a scene's viser server: the page, and the WebSocket in both directions.
 
-viser's client is one page without further files, so it is served from the installed package, compressed once, and
-only the WebSocket is forwarded: viser's HTTP server, which reads files, is not reachable from outside. Of the browser's
-messages only those that :func:`server.scenes.browser_messages.passes` accepts are forwarded, and viser's messages only
+viser's client is one page without further files, so it is served from the installed package, compressed once. Only the
+WebSocket is forwarded; viser's HTTP server, which reads files, is not reachable from outside. Only those of the
+browser's messages that :func:`server.scenes.browser_messages.passes` accepts are forwarded, and viser's messages only
 as fast as the browser draws them (:mod:`server.scenes.pacing`).
 """
 
@@ -30,16 +30,16 @@ from server.scenes.pacing import DRAWN, Pace
 from server.scenes.visitors import PAGE_HEADER, VISITOR_HEADER, Viewer
 from server.sessions.drawings import MAX_DRAWING_BYTES
 
-#: It reports each message that was worked off (:mod:`server.scenes.pacing`): viser's worker sends what is posted to it
-#: as ``send`` once it has told of the connection, and a message is worked off in the frame after its arrival. The
-#: first report says that the page has this script.
+#: It reports each processed message (:mod:`server.scenes.pacing`). viser's worker sends what is posted to it as
+#: ``send`` once it has reported the connection, and a message is processed in the frame after its arrival. The first
+#: report says that the page has this script.
 #:
-#: Viser's client connects again only while its document has the focus, which a view inside of a page rarely has. Here
-#: it is enough that the page is visible.
+#: viser's client reconnects only while its document has the focus, which a view inside of a page rarely has. Here it is
+#: enough that the page is visible.
 #:
-#: The target of a touch has captured it before anybody hears of it (Pointer Events 3, "implicit pointer capture"), and
-#: viser's client takes what is captured for the drag of a gizmo: a tap would pick nothing. So it is captured after
-#: viser's client has heard of it.
+#: The target of a touch captures it before any handler is called (Pointer Events 3, "implicit pointer capture"), and
+#: viser's client interprets a captured pointer as dragging a gizmo, so that a tap would pick nothing. It is therefore
+#: captured after viser's client has handled it.
 SCRIPT = b"""<script>
 window.Worker = class extends window.Worker {
   constructor(...given) {
@@ -64,18 +64,18 @@ document.addEventListener("visibilitychange", () => window.dispatchEvent(new Eve
 </script>"""
 
 
-SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: from the metadata, since importing viser is slow
-MAX_FROM_BROWSER = 16 * 1024  #: most bytes of one message from the browser; a camera message has about 300
+SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: from the metadata, because importing viser is slow
+MAX_FROM_BROWSER = 16 * 1024  #: maximum size of one message from the browser; a camera message has about 300 bytes
 MAX_FROM_SCENE = MAX_DRAWING_BYTES + (
     1 << 20
-)  #: most bytes of one message from viser: the largest drawing and its fields
+)  #: maximum size of one message from viser: the largest drawing and its fields
 CONNECT_S = 30.0
 TOO_BIG = 1009  #: the close code for a message that is too large
 
 _log = structlog.get_logger(__name__)
 
 _TITLE = (b"<title>Viser</title>", b"<title>Gridbloom \xe2\x80\x93 3D view</title>")
-#: Of a view whose controls are the page's own: the canvas alone, on the ground of the page.
+#: For a view controlled by the page: only the canvas, on the background of the page.
 _PLAIN_STYLE = b"""<style>
 body *:not(canvas):not(:has(canvas)) { visibility: hidden !important; pointer-events: none !important; }
 [data-dock-root] *:has(canvas) { inset: 0 !important; width: 100% !important; }
@@ -96,14 +96,14 @@ class Page:
 
 @lru_cache(maxsize=2)
 def client_page(script: bytes, *, plain_view: bool = False) -> Page:
-    """Return the client page of the installed viser, with Gridbloom's title; for a plain view without its panel.
+    """Return the client page of the installed viser with Gridbloom's title; for a plain view, without its panel.
 
     ``script`` is the built ``static/src/pages/scene.ts``, which reads :mod:`server.scenes.voxel_chunk`.
     """
     spec = find_spec("viser")  # does not import it
     assert spec is not None and spec.origin is not None  # noqa: S101, PT018 - a dependency
     plain = (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes().replace(*_TITLE, 1)
-    # In a function, since the names that a module declares are its own; those of a plain script are the page's.
+    # In a function, so that a module's names stay local; those of a plain script are global.
     scripts = SCRIPT + b'<script>(() => {"use strict";' + script + b"})();</script>"
     plain = plain.replace(b"<head>", b"<head>" + scripts, 1)
     if plain_view:
@@ -114,9 +114,9 @@ def client_page(script: bytes, *, plain_view: bool = False) -> Page:
 def page_headers(host: str) -> dict[str, str]:
     """Return the headers of the 3D page: its content security policy for a service reached as ``host``.
 
-    viser's client has inline scripts and styles, unpacks them with WebAssembly, whose glue code makes functions from
-    strings, and runs its socket in a worker from a blob. It may connect to this service only, whatever the query of
-    its address is.
+    viser's client has inline scripts and styles, unpacks them with WebAssembly, whose glue code creates functions from
+    strings, and runs its socket in a worker from a blob. It may connect only to this service, whatever the query of its
+    address.
     """
     policy = {
         "default-src": "'none'",
@@ -140,10 +140,10 @@ def page_headers(host: str) -> dict[str, str]:
 
 
 async def take(browser: WebSocket) -> bool:
-    """Accept a browser's WebSocket; return False where it was refused for want of viser's subprotocol.
+    """Accept a browser's WebSocket; return False if it was refused because it lacks viser's subprotocol.
 
-    Viser itself refuses clients of another version. Call it before the scene is made: viser's client closes a socket
-    that is not accepted within 5 s.
+    viser itself refuses clients of another version. Call this before the scene is created, because viser's client
+    closes a socket that is not accepted within 5 s.
     """
     if SUBPROTOCOL not in browser.scope.get("subprotocols", ()):
         await browser.close(1002, f"The subprotocol must be {SUBPROTOCOL}.")
@@ -155,7 +155,7 @@ async def take(browser: WebSocket) -> bool:
 async def pass_on(browser: WebSocket, path: Path, viewer: Viewer = Viewer()) -> None:  # noqa: B008 - immutable
     """Connect a browser's accepted WebSocket to viser's Unix socket at ``path`` until one closes; close the other.
 
-    The scene knows the connection as ``viewer``'s.
+    The scene identifies the connection by ``viewer``.
     """
     try:
         async with asyncio.timeout(CONNECT_S):
@@ -164,7 +164,7 @@ async def pass_on(browser: WebSocket, path: Path, viewer: Viewer = Viewer()) -> 
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
                 additional_headers={VISITOR_HEADER: viewer.visitor, PAGE_HEADER: viewer.page},
                 max_size=MAX_FROM_SCENE,
-                max_queue=1,  # further messages, each of which may be as large, wait in viser
+                max_queue=1,  # further messages, which may be just as large, wait in viser
                 compression=None,
                 proxy=None,
                 ping_interval=None,  # both ends are in one process
@@ -197,9 +197,9 @@ async def pass_on(browser: WebSocket, path: Path, viewer: Viewer = Viewer()) -> 
 
 @asynccontextmanager
 async def _closed_in_the_end(scene: ClientConnection) -> AsyncIterator[None]:
-    """Close the connection after the block, also where the wait for viser's answer to that is cancelled.
+    """Close the connection after the block, even if the wait for viser's answer is cancelled.
 
-    Viser answers once what it has sent is read. websockets closes the socket with that answer: a service that ends
+    viser answers once it has read what was sent. websockets closes the socket with that answer, but a service that ends
     cancels its tasks, perhaps for the second time while a slow scene has not answered yet.
     """
     try:
@@ -220,7 +220,7 @@ async def _read_to_the_end(scene: ClientConnection) -> None:
 
 
 async def _to_scene(browser: WebSocket, scene: ClientConnection, pace: Pace) -> int:
-    """Forward the browser's messages; return the close code for the browser's socket, 0 if it is closed already."""
+    """Forward the browser's messages; return the close code for the browser's socket, 0 if it is already closed."""
     while True:
         message = await browser.receive()
         if message["type"] == "websocket.disconnect":
@@ -238,7 +238,7 @@ async def _to_scene(browser: WebSocket, scene: ClientConnection, pace: Pace) -> 
 
 
 async def _to_browser(scene: ClientConnection, browser: WebSocket, pace: Pace) -> int:
-    """Forward viser's messages; return the code to close the browser's socket with, 0 where it is closed already."""
+    """Forward viser's messages; return the close code for the browser's socket, 0 if it is already closed."""
     try:
         async for data in scene:
             await pace.turn()

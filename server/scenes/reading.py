@@ -18,7 +18,7 @@ from server.sessions.scene_controls import SceneControls
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """The content of one drawing, and the ``seconds`` that reading it took.
+    """The content of one drawing, and the ``seconds`` taken to read it.
 
     ``content`` is the result of :meth:`Drawer.read`, None if the drawing is not due yet.
     """
@@ -38,9 +38,9 @@ class SceneState:
 
 
 async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Drawing], bool]) -> SceneState:
-    """Read the state of a session under its lock (event loop), with the axes and the grid among its drawings.
+    """Read the state of a session under its lock (event loop), including the drawings of the axes and the grid.
 
-    Arrays that the session updates are read on a thread. Raises :class:`ValueError` if two drawings have one name,
+    Arrays that the session updates are read on a thread. Raises :class:`ValueError` if two drawings have the same name,
     :class:`KeyError` for a drawing without a drawer.
     """
     async with session.locked():

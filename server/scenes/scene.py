@@ -1,9 +1,8 @@
 """The 3D view of one session: a viser server behind the proxy, updated after the session's ticks.
 
 It shows the model's ``drawings()`` and ``controls()`` and does not depend on the kind of session. Nothing is computed
-while no browser shows it; otherwise something is sent at most :data:`MAX_HZ` times a second, and of each drawing at
-most as often as its drawer states. Reading the session while there is nothing to send takes at most :data:`SHARE` of
-the time.
+while no browser shows it; otherwise data is sent at most :data:`MAX_HZ` times a second, and each drawing at most at its
+drawer's rate. Reading the session while there is nothing to send takes at most :data:`SHARE` of the time.
 """
 
 from __future__ import annotations
@@ -49,22 +48,22 @@ from server.stream.messages import SceneMessage
 
 MAX_HZ = 15.0
 SHARE = 0.2
-SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
+SETTLE_S = 0.25  #: interval of checking a control that waits for the session's confirmation
 
-MOST_LEFT = 64  #: views that have disconnected, whose cameras are kept
-ASPECT = 1.3  #: aspect ratio for which the camera is that a browser has until it is told its own
+MOST_LEFT = 64  #: disconnected views whose cameras are kept
+ASPECT = 1.3  #: aspect ratio for the camera of a browser until it is sent its own
 
 _log = structlog.get_logger(__name__)
 
 
 @dataclass(slots=True, eq=False)
 class View:
-    """A view of the scene: who looks, from where to where, and where its camera was last told to look from; metres."""
+    """A view of the scene: its viewer, its camera's position and target, and its last assigned pose; metres."""
 
     viewer: Viewer
     position: NDArray[np.float64]
     look_at: NDArray[np.float64]
-    aim: Aim | None = None  #: until a person moves it
+    aim: Aim | None = None  #: until a user moves it
     following: Following | None = None  #: while its camera moves with the robot
 
     def is_at(self, position: ArrayLike) -> bool:
@@ -73,7 +72,7 @@ class View:
 
 
 class Scene:
-    """The viser server of one session. Created by :meth:`open`; :meth:`close` ends its threads and its socket."""
+    """The viser server of one session, created by :meth:`open`. :meth:`close` ends its threads and its socket."""
 
     def __init__(self, session: SessionHost, server: ViserServer, drawers: Drawers) -> None:
         self._session = session
@@ -81,24 +80,24 @@ class Scene:
         self._drawers = drawers
         self._loop = asyncio.get_running_loop()
         self._changed = asyncio.Event()
-        self.idle_since = time.monotonic()  #: when the last browser left, or the scene was made
+        self.idle_since = time.monotonic()  #: when the last browser left, or the scene was created
         self._watching = 0
         self._task: asyncio.Task[None] | None = None
         self._bounds: Bounds | None = None
         self._heights: Heights = (0.0, 0.0)
         self._sight: Sight | None = None
-        self._views: dict[int, View] = {}  #: of each of viser's clients
+        self._views: dict[int, View] = {}  #: by viser's client
         self._chosen: dict[str, CameraName | RobotCameraName] = {}  #: the camera that each visitor has chosen last
-        self._moved: set[int] = set()  #: clients whose cameras persons have moved, before they are among the views
-        self._left: deque[View] = deque(maxlen=MOST_LEFT)  #: of those that have disconnected
+        self._moved: set[int] = set()  #: clients whose cameras were moved by users, before they are among the views
+        self._left: deque[View] = deque(maxlen=MOST_LEFT)  #: disconnected views
         self._marks = Marks(server)
-        self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
+        self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest unposted move of each gizmo
         self._posts_moves = False
         self._announced: SceneMessage | None = None
 
     @classmethod
     async def open(cls, session: SessionHost, drawers: Drawers = DRAWERS) -> Scene:
-        """Create the scene of ``session``, tell its settings and start updating it."""
+        """Create the scene of ``session``, send its settings and start updating it."""
         server = await asyncio.to_thread(ViserServer)
         scene = cls(session, server, drawers)
         try:
@@ -129,7 +128,7 @@ class Scene:
         await asyncio.to_thread(self._server.stop)
 
     def enter(self) -> None:
-        """Count a browser that connected, and draw the current state."""
+        """Count a connected browser, and draw the current state."""
         self._watching += 1
         if self._watching == 1:
             self._session.listen(self._changed.set)  # the session's clock runs while it has listeners
@@ -137,7 +136,7 @@ class Scene:
         self._changed.set()
 
     def leave(self) -> None:
-        """Count a browser that disconnected."""
+        """Count a disconnected browser."""
         self._watching -= 1
         self.idle_since = time.monotonic()
         if not self._watching:
@@ -150,7 +149,7 @@ class Scene:
 
     def _build(self, state: SceneState) -> None:
         scene = self._server.scene
-        # Two lights instead of viser's environment map, a photograph that is slow to load on a slow machine.
+        # Two lights instead of viser's environment map, a photograph that loads slowly on a slow machine.
         scene.configure_environment_map(None)
         scene.configure_default_lights(cast_shadow=False)
         scene.add_light_hemisphere("/Sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2)
@@ -169,7 +168,7 @@ class Scene:
         self._server.on_client_disconnect(self._dismiss)
 
     def _aim(self, bounds: Bounds, heights: Heights) -> None:
-        """Have cameras that nobody has moved show ``bounds`` and ``heights``, at first from the south and above."""
+        """Make unmoved cameras show ``bounds`` and ``heights``, initially from the south and above."""
         if (bounds, heights) == (self._bounds, self._heights):
             return
         self._bounds, self._heights = bounds, heights
@@ -184,11 +183,12 @@ class Scene:
                 self._aim_client(client, view.aim.name)
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
-        """Aim the camera of a view, which begins with that of the scene, for the shape of its picture.
+        """Aim the initial camera of a view for the shape of its picture.
 
-        In a view that its page had before, the camera comes to where it was: viser's client begins with the first
-        camera again after a lost connection. Where a person had moved it before the page was loaded again, it begins
-        where the tab has kept it (``static/src/pages/sceneCamera.ts``), and is left there, as one that a link states.
+        For a view that its page had before, the camera returns to its earlier place, because viser's client starts with
+        the first camera again after a lost connection. If a user had moved it before the page was reloaded, it starts
+        at the place that the tab has stored (``static/src/pages/sceneCamera.ts``), and is left there, like one from a
+        link.
         """
         view = View(viewer_of_connection.get(), client.camera.position, client.camera.look_at)
         before = self._last_of(view.viewer)
@@ -218,7 +218,7 @@ class Scene:
             self._aim_client(client, name)
 
     def _note_moved(self, client_id: int) -> None:
-        """Leave a camera where a person has moved it."""
+        """Leave a camera where a user has moved it."""
         view = self._views.get(client_id)
         if view is None:
             self._moved.add(client_id)
@@ -226,9 +226,9 @@ class Scene:
             view.aim = None
 
     def _last_of(self, viewer: Viewer) -> View | None:
-        """Return the last view of a page; None: it had none.
+        """Return the last view of a page; None if it had none.
 
-        The service may not have noticed yet that its connection is lost.
+        The service may not have noticed yet that the view's connection is lost.
         """
         views = [*self._views.values(), *reversed(self._left)]
         return next((view for view in views if viewer.page and view.viewer == viewer), None)
@@ -247,10 +247,10 @@ class Scene:
         client.camera.look_at = look_at  # viser moves it along with the position
 
     async def _fit(self, camera: viser.CameraHandle) -> None:
-        """Aim a camera again that no person has moved since, if it is elsewhere or its picture has another shape.
+        """Aim a camera that no user has moved again, if it is elsewhere or its picture has another shape.
 
-        A page lays its views out after they have connected, and viser's client goes to the first camera of the scene
-        when it is ready for that, perhaps after it was told another one.
+        A page lays its views out after they have connected, and viser's client uses the first camera of the scene once
+        it is ready, perhaps after it was sent another one.
         """
         view = self._views.get(camera.client.client_id)
         if view is None:
@@ -268,11 +268,11 @@ class Scene:
 
     @property
     def cameras(self) -> list[CameraName | RobotCameraName]:
-        """The names of the cameras that there are: those that move with the robot only where there is one."""
+        """The names of the available cameras; those that move with the robot require one."""
         return [*CAMERAS, *(ROBOT_CAMERAS if self._sight is not None else ())]
 
     def aim(self, visitor: str, name: CameraName | RobotCameraName) -> None:
-        """Move the cameras of a visitor's views of this scene, also of those to come, to one of :attr:`cameras`."""
+        """Move the cameras of a visitor's present and future views of this scene to one of :attr:`cameras`."""
         self._chosen[visitor] = name
         for client_id, client in self._server.get_clients().items():
             view = self._views.get(client_id)
@@ -280,16 +280,16 @@ class Scene:
                 self._go(client, view, name)
 
     def chosen(self, visitor: str) -> CameraName | RobotCameraName | None:
-        """Return the camera that a visitor has chosen last, in any page; None: none yet."""
+        """Return the camera that a visitor has chosen last, in any page; None if none."""
         return self._chosen.get(visitor)
 
     @property
     def layers(self) -> dict[str, bool]:
-        """The labels of what the scene shows, and whether they are visible."""
+        """The labels of the drawings, and whether they are visible."""
         return self._panel.switches.visible
 
     def set_layer(self, label: str, *, visible: bool) -> None:
-        """Show or hide all drawings of a label, in all views of the scene; an unknown one is no error."""
+        """Show or hide all drawings of a label, in all views of the scene. An unknown label is ignored."""
         self._panel.switches.switch(label, visible=visible)
         self._tell()
 
@@ -309,7 +309,7 @@ class Scene:
         return spacing_of(self._bounds or DEFAULT_BOUNDS)
 
     def _tell(self) -> None:
-        """Tell the session's pages the settings, where they have changed."""
+        """Send changed settings to the session's pages."""
         settings = SceneMessage(self.cameras, self.layers, self.height, self.grid_spacing)
         if settings != self._announced:
             self._announced = settings
@@ -318,16 +318,16 @@ class Scene:
     # -- from the browser, on viser's threads -------------------------------------------------------------------
 
     def _post(self, command: Struct) -> None:
-        """Post a command to the session, and redraw soon, since it may be refused."""
+        """Post a command to the session, and redraw soon, because it may be refused."""
         self._session.post(command)
         self._note_change()
 
     def _note_change(self) -> None:
-        """Draw, and tell what has changed (any thread)."""
+        """Draw, and send changed settings (any thread)."""
         self._loop.call_soon_threadsafe(self._changed.set)
 
     def _clicked(self, event: viser.SceneClickEvent) -> None:
-        """Pass the ray of a click to the model, and where it meets what is drawn."""
+        """Pass the ray of a click, and where it meets a drawing, to the model."""
         met = self._contents.met(event.ray_origin, event.ray_direction)
         view = self._views.get(event.client_id)
         page = "" if view is None else view.viewer.page
@@ -339,9 +339,9 @@ class Scene:
     # -- from the browser, on the event loop --------------------------------------------------------------------
 
     def _click(self, page: str, origin: Point, direction: Point, met: Point | None) -> None:
-        """Post the command for a click; its answer goes to the page that the view is in.
+        """Post the command for a click. Its answer goes to the page of the view.
 
-        While that page measures, the click asks for the place that it means, and does nothing else.
+        While that page measures, the click only requests the selected place.
         """
         client = self._session.hub.of_page(page)
         measures = client is not None and client.measured is not None
@@ -352,7 +352,7 @@ class Scene:
             self._changed.set()  # it may be refused
 
     def _note_move(self, name: str, position: Point, wxyz: Quaternion) -> None:
-        """Post a gizmo's move, at most :data:`MAX_HZ` times a second: of moves in between only the last is posted."""
+        """Post a gizmo's move, at most :data:`MAX_HZ` times a second; of the moves in between only the last counts."""
         self._moves[name] = (position, wxyz)
         if not self._posts_moves:
             self._post_moves()
@@ -388,7 +388,7 @@ class Scene:
             await asyncio.sleep(pause_s)
 
     def _marked(self) -> dict[int, Mark]:
-        """Return what the pages of viser's clients have selected and measure, by the number of the client."""
+        """Return the selected places and measurements of the pages of viser's clients, by the number of the client."""
         pages = {
             client.page: Mark(client.selected, client.measured) for client in self._session.hub.clients if client.page
         }
@@ -396,20 +396,20 @@ class Scene:
         return {number: pages[viewer.page] for number, viewer in viewers if viewer.page in pages}
 
     def _draw(self, state: SceneState, marks: dict[int, Mark]) -> None:
-        """Draw what changed (a thread)."""
+        """Draw what changed (called on a thread)."""
         wait = self._contents.show(state)
         self._marks.show(marks)
         self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
         self._sight = state.controls.sight
         self._follow_robot()
         self._panel.show(state.controls)
-        self._server.flush()  # viser would wait for further messages for 17 ms
+        self._server.flush()  # viser would wait 17 ms for further messages
         if wait is not None or self._panel.unsettled or self._contents.unsettled:
             later = partial(self._loop.call_later, max(wait or 0.0, SETTLE_S), self._changed.set)
             self._loop.call_soon_threadsafe(later)
 
     def _follow_robot(self) -> None:
-        """Move the cameras that move with the robot (a thread)."""
+        """Move the cameras that follow the robot (called on a thread)."""
         for client_id, client in self._server.get_clients().items():
             view = self._views.get(client_id)
             if view is None or view.following is None or self._sight is None:

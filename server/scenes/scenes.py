@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from server.scenes.scene import Scene
     from server.sessions import SessionHost
 
-IDLE_S = 60.0  #: seconds without a browser after which a scene is closed
+IDLE_S = 60.0  #: a scene without a browser is closed after this time, seconds
 CHECK_S = 15.0
 
 _log = structlog.get_logger(__name__)
@@ -33,7 +33,7 @@ async def _open(session: SessionHost, drawers: Drawers | None) -> Scene:
 
 
 class Scenes:
-    """The open scenes by session. Used from the event loop only; :meth:`close` ends all of them.
+    """The open scenes by session. Used from the event loop only. :meth:`close` ends all of them.
 
     ``drawers`` maps types of drawings to drawers; None for those of ``server.scenes.drawers``.
     """
@@ -68,7 +68,7 @@ class Scenes:
         _log.info("scene opened", session=short_hash(session.id))
 
     def drop(self, session_id: str) -> None:
-        """Close a session's scene in the background, if there is one."""
+        """Close a session's scene in the background, if it has one."""
         task = self._scenes.pop(session_id, None)
         if task is not None:
             closing = asyncio.create_task(self._close_one(session_id, task))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Mesh = tuple[NDArray[np.float32], NDArray[np.uint32]]
 
-# A box's corners in units of its sides, and its five visible faces (the floor is not seen from below).
+# A box's corners in units of its sides, and its five visible faces (the bottom is not visible).
 _CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 _FACES = np.array(
     [(4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7)]
@@ -50,7 +50,7 @@ def triangles(polygon: NDArray[np.float64]) -> NDArray[np.int64]:
     left = list(range(len(polygon)))
     corners: list[tuple[int, int, int]] = []
     while len(left) > 3:
-        ear = next((k for k in range(len(left)) if _is_ear(polygon, left, k)), 0)  # 0: a degenerate remainder
+        ear = next((k for k in range(len(left)) if _is_ear(polygon, left, k)), 0)  # 0 for a degenerate remainder
         corners.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
         del left[ear]
     corners.append((left[0], left[1], left[2]))
@@ -65,18 +65,18 @@ def _is_ear(polygon: NDArray[np.float64], left: list[int], k: int) -> bool:
         return False
     others = polygon[[i for i in left if i not in corners]]
     inside = (_cross(a, b, others) >= 0.0) & (_cross(b, c, others) >= 0.0) & (_cross(c, a, others) >= 0.0)
-    # A corner at the same point as one of the ear's corners does not count: polygons may touch themselves.
+    # A corner at the same point as one of the ear's corners does not count, because polygons may touch themselves.
     distinct = (others[:, None, :] != np.stack([a, b, c])).any(axis=2).all(axis=1)
     return not bool(np.any(inside & distinct))
 
 
 def _cross(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return twice the signed area of the triangles a, b, c; positive where c lies to the left of a → b."""
+    """Return twice the signed area of the triangles a, b, c; positive if c is to the left of a → b."""
     return np.asarray((b[0] - a[0]) * (c[..., 1] - a[1]) - (b[1] - a[1]) * (c[..., 0] - a[0]))
 
 
 def arrow(length: float, width: float, height: float) -> Mesh:
-    """Return a flat arrowhead that points along +x, its middle at the origin, ``height`` metres thick."""
+    """Return a flat arrowhead that points along +x, centred at the origin, ``height`` metres thick."""
     half = length / 2
     outline = np.array([(-half, -width / 2), (half, 0.0), (-half, width / 2), (-half + 0.25 * length, 0.0)])
     return extruded([outline], height)

@@ -1,9 +1,9 @@
 """A viser server that listens on a Unix socket and offers nothing but the scene's WebSocket.
 
-viser 1.1 can listen on a TCP port only. A TCP port of 127.0.0.1 can be reached by any process of the machine and by any
-page in a browser, without the service's token and checks. Here viser's call of
-:func:`websockets.asyncio.server.serve` is replaced, in viser's module only, by one that listens on a Unix socket in a
-folder of mode 0700. The class of its message buffers is replaced by one that limits the size of what is sent at once.
+viser 1.1 can only listen on a TCP port. A TCP port of 127.0.0.1 is reachable by any process of the machine and by any
+page in a browser, without the service's token and checks. Here viser's call of :func:`websockets.asyncio.server.serve`
+is replaced, in viser's module only, by one that listens on a Unix socket in a folder of mode 0700. The class of its
+message buffers is replaced by one that limits the size of what is sent at once.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ from server.scenes.visitors import PAGE_HEADER, VISITOR_HEADER, Viewer, viewer_o
 
 @dataclass
 class CameraMovedMessage(viser_messages.Message, include_in_scene_serialization=False):
-    """Our own message from a browser: its camera, of which the next message tells, is where a person has moved it."""
+    """Our own message from a browser: a user has moved the camera whose pose is in the next message."""
 
 
-MAX_TOGETHER = 4 << 20  #: bytes of messages that are sent at once; a larger message is sent alone
+MAX_TOGETHER = 4 << 20  #: maximum bytes of messages sent at once; a larger message is sent alone
 
 
 def size_of(value: Any) -> int:  # noqa: ANN401 - any field of a message
@@ -76,7 +76,7 @@ def parts_of(window: Sequence[Message]) -> Iterator[Sequence[Message]]:
 class MessageBuffer(AsyncMessageBuffer):
     """viser's buffer of outgoing messages, with its windows divided by :func:`parts_of`.
 
-    viser sends up to 128 messages of any size in one WebSocket message; a browser that connects gets the whole scene.
+    viser sends up to 128 messages of any size in one WebSocket message, and the whole scene to a new browser.
     """
 
     async def _window_loop(
@@ -91,10 +91,10 @@ class MessageBuffer(AsyncMessageBuffer):
             await windows.aclose()
 
 
-ZSTD_LEVEL = 6  #: of messages to browsers,
-QUICK_LEVEL = 2  #: and of more than this many bytes at once, for which it takes a fifth of the time and 1.1 × the bytes
+ZSTD_LEVEL = 6  #: for messages to browsers,
+QUICK_LEVEL = 2  #: and for more than this many bytes at once: a fifth of the time and 1.1 × the bytes
 QUICK_BYTES = 1 << 18
-ROUNDS_OF_ACCEPT = 5  #: rounds of the loop, at least, from the acceptance of a connection to its handler
+ROUNDS_OF_ACCEPT = 5  #: least number of loop rounds from accepting a connection to its handler
 
 
 @asynccontextmanager
@@ -106,7 +106,7 @@ async def _serve(
 ) -> AsyncIterator[Server]:
     """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
     del port
-    options["process_request"] = None  # viser's own serves files over HTTP
+    options["process_request"] = None  # viser's own would serve files over HTTP
     options["ping_interval"] = None  # both ends are in one process, and the proxy does not read while a browser is slow
     bound = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=int(host))
 
@@ -120,8 +120,8 @@ async def _serve(
     try:
         yield server
     finally:
-        # asyncio forgets a connection, with its socket open, that it accepts in the round of the loop in which the
-        # server is closed (Server._attach refuses it): none is accepted any more before that.
+        # If asyncio accepts a connection in the loop round in which the server is closed, it forgets the connection and
+        # leaves its socket open (Server._attach refuses it). So accepting is stopped before that.
         asyncio.get_running_loop().remove_reader(bound)
         for _ in range(ROUNDS_OF_ACCEPT):
             await asyncio.sleep(0)
@@ -130,7 +130,7 @@ async def _serve(
 
 
 class Compressor:
-    """Replacement of ``zstandard.ZstdCompressor``: viser's level 1 makes the files of voxels a quarter longer."""
+    """Replacement of ``zstandard.ZstdCompressor``, because viser's level 1 makes voxel files a quarter larger."""
 
     def __init__(self, level: int) -> None:
         del level
@@ -141,7 +141,7 @@ class Compressor:
         return (self._large if len(data) > QUICK_BYTES else self._small).compress(data)
 
 
-# viser finds the types of a node's fields again for each node, which takes half of the time that a node takes.
+# viser determines the types of a node's fields again for each node, which takes half of the time per node.
 _props.get_type_hints = cache(_props.get_type_hints)  # type: ignore[assignment,attr-defined]
 _infra.zstandard = SimpleNamespace(ZstdCompressor=Compressor)  # type: ignore[assignment,attr-defined]
 _infra.AsyncMessageBuffer = MessageBuffer  # type: ignore[attr-defined]
@@ -170,15 +170,15 @@ class ViserServer(viser.ViserServer):
 
     @property
     def queued(self) -> int:
-        """Number of messages for all browsers that were queued since the start."""
+        """Number of messages queued for all browsers since the start."""
         return self._websock_server.get_message_buffer().message_counter
 
     def on_camera_moved(self, callback: Callable[[int], None]) -> None:
-        """Have ``callback`` called with the number of each client whose camera a person has moved (viser's loop)."""
+        """Register ``callback``, called with the number of each client whose camera a user has moved (viser's loop)."""
         self._websock_server.register_handler(CameraMovedMessage, lambda client_id, _: callback(client_id))
 
     def request_share_url(self, verbose: bool = True) -> None:
-        """Open no public tunnel."""
+        """Do nothing: no public tunnel is opened."""
 
     def stop(self) -> None:
         """End viser's threads, close the socket and remove its folder."""

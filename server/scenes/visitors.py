@@ -1,4 +1,4 @@
-"""Whose browser a connection to viser is: the proxy says it in headers, callbacks of the connection read it here."""
+"""The browser behind a connection to viser. The proxy sends it in headers, which are read here."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ PAGE_HEADER = "X-Gridbloom-Page"
 
 
 class Viewer(NamedTuple):
-    """Who looks at a scene: the visitor, and the page that the view is in, by the name that it gave itself."""
+    """Viewer of a scene: the visitor, and the page of the view, by the name that it chose."""
 
     visitor: str = ""
     page: str = ""  #: empty for none
 
 
 viewer_of_connection: ContextVar[Viewer] = ContextVar("viewer_of_connection", default=Viewer())  # noqa: B039 - immutable
-"""The viewer of the connection whose messages the present task handles."""
+"""The viewer of the connection whose messages the current task handles."""

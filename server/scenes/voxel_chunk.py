@@ -1,13 +1,13 @@
-"""The drawn faces of one chunk of voxels in few bytes, from which the page makes a glTF file.
+"""Compact encoding of the drawn faces of one voxel chunk, from which the page creates a glTF file.
 
-Rectangles as glTF files have four corners of eight bytes each; here a voxel with faces has two to three bytes. The
-page's script (``static/src/pages/scene.ts``) merges the faces again and gives viser's client the file.
+Rectangles in glTF files have four corners of eight bytes each; here a voxel with faces has two to three bytes. The
+page's script (``static/src/pages/scene.ts``) merges the faces again and passes the file to viser's client.
 
 Little-endian: :data:`MAGIC`, uint32 k of colours, uint32 m of pairs, uint32 n of voxels; colours (6, k, 3) uint8 by
-side and number, linear RGB; pairs (m, 2) uint8; colour numbers (n,) uint8. The voxels with faces are in the order of
-x + 32 y + 1024 z. A pair is the number of voxels without faces before the next one with faces, and the sides of its
-faces as bits, 1 for −x, 2 for +x, 4 for −y, up to 32 for +z; with no bit there is no voxel, and the number, 255, is
-added to the next pair's. A colour number, from 0, is stored as its difference modulo 256 from the voxel before.
+side and number, linear RGB; pairs (m, 2) uint8; colour numbers (n,) uint8. The voxels with faces are in the order of x
++ 32 y + 1024 z. A pair is the number of voxels without faces before the next one with faces, and the sides of its faces
+as bits, 1 for −x, 2 for +x, 4 for −y, up to 32 for +z. Without a bit there is no voxel, and the number, 255, is added
+to the next pair's. A colour number, from 0, is stored as its difference from the previous voxel's, modulo 256.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from server.scenes.chunk_glb import LIGHT
 MAGIC = b"GBVX"
 HEADER = struct.Struct("<4sIII")
 _FARTHEST = 255  #: voxels that one pair skips
-_STRIDES = np.array([1, CHUNK, CHUNK * CHUNK])  #: of x, y and z in the number of a voxel
+_STRIDES = np.array([1, CHUNK, CHUNK * CHUNK])  #: of x, y and z in the index of a voxel
 
 
 def face_colors(palette: NDArray[np.uint8], *, by_side: bool = False) -> NDArray[np.uint8]:
@@ -33,7 +33,7 @@ def face_colors(palette: NDArray[np.uint8], *, by_side: bool = False) -> NDArray
     If ``by_side``, the first six of the palette are those of the sides, and k is 1.
     """
     linear = linear_of(palette)
-    # Brightness is of the sRGB value, whose steps look equal: 2.2 is near enough to its curve.
+    # Brightness applies to the sRGB value, whose steps look equal. 2.2 is close enough to its curve.
     light = (LIGHT**2.2)[:, None, None]
     return np.round(255.0 * ((linear[:6, None] if by_side else linear[None]) * light)).astype(np.uint8)
 
@@ -41,7 +41,8 @@ def face_colors(palette: NDArray[np.uint8], *, by_side: bool = False) -> NDArray
 def voxel_chunk(quads: NDArray[np.uint8], colors: NDArray[np.uint8]) -> bytes:
     """Return a chunk's rectangles (n, 7), n > 0, in the ``colors`` of :func:`face_colors` as bytes for the page.
 
-    Numbers of colours beyond the last one are that one: voxels coloured by their sides may have numbers of heights.
+    Colour numbers beyond the last one are clamped to it, because voxels coloured by side may have the numbers of
+    heights.
     """
     sides, numbers = _voxels(quads)
     voxels = np.flatnonzero(sides)
@@ -62,7 +63,7 @@ def voxel_chunk(quads: NDArray[np.uint8], colors: NDArray[np.uint8]) -> bytes:
 
 
 def _voxels(quads: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Return the sides of each voxel's faces as bits (32³,) and its colour (32³,), from 1, where it has any."""
+    """Return the sides of each voxel's faces as bits (32³,) and its colour (32³,), from 1, if it has any."""
     quads = quads[np.argsort(quads[:, 0], kind="stable")]
     axis = quads[:, 0] // 2
     wide, areas = quads[:, 4].astype(np.int64), quads[:, 4].astype(np.int64) * quads[:, 5]
@@ -73,7 +74,7 @@ def _voxels(quads: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uin
     voxels = (quads[:, 1:4] @ _STRIDES)[of] + column * along[of] + row * across[of]
     sides, numbers = np.zeros((2, CHUNK**3), dtype=np.uint8)
     numbers[voxels] = quads[of, 6]
-    # Faces of one side are of different voxels, so that each assignment adds one bit.
+    # Faces of one side belong to different voxels, so that each assignment adds one bit.
     ends = np.cumsum(np.bincount(quads[of, 0], minlength=6)).tolist()
     for side, (begin, end) in enumerate(zip([0, *ends[:-1]], ends, strict=True)):
         sides[voxels[begin:end]] |= np.uint8(1 << side)

@@ -22,5 +22,5 @@ __all__ = [
     "SessionRegistry",
 ]
 
-# The stream and the arrays of layers are imported with the first session.
+# The stream and the arrays of the layers are imported when the first session is created.
 __getattr__ = imported_later(__name__, __file__)

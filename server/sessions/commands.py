@@ -1,4 +1,4 @@
-"""The commands of the service itself to a session, which no client can send."""
+"""Commands that the service itself sends to a session. No client can send them."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ if TYPE_CHECKING:
 
 
 class UpdateLog(Struct):
-    """The log has other trajectories."""
+    """Use the log with other trajectories."""
 
     log: ScanLog
 
 
 class UseSensor(Struct):
-    """Begin the map again of another sensor of the log, or of scans that are cut otherwise."""
+    """Restart the map with another sensor of the log, or with other options for cutting scans."""
 
     log: ScanLog
     view: LogView
 
 
 class FollowPoses(Struct):
-    """Show the map along the poses that a job makes, as the trajectory ``name``."""
+    """Show the map along the poses that a job is computing, as the trajectory ``name``."""
 
     name: str
 
 
 class PosesSoFar(Struct):
-    """The poses (n, 3) that the job has made so far; ``report`` is what localization says besides.
+    """The poses (n, 3) that the job has computed so far, and localization's ``report``.
 
-    ``is_known`` (n,) is False where a pose is not known yet, None: all are.
+    ``is_known`` (n,) is False for poses that are not known yet; None if all are known.
     """
 
     poses: NDArray[np.float64]
@@ -52,41 +52,41 @@ class PosesSoFar(Struct):
 
 
 class PosesEnded(Struct):
-    """The job has ended with a trajectory of this name, None for none."""
+    """The job has ended. ``name`` is the trajectory that it produced, None if there is none."""
 
     trajectory: str | None
 
 
 class ShowReferenceMap(Struct):
-    """The log is localized in this map."""
+    """Show the map in which the log was localized."""
 
     map: ReferenceMap
 
 
 class ShowFilterStates(Struct):
-    """How certain the filter was along a trajectory."""
+    """Show the uncertainty of the filter along a trajectory."""
 
     trajectory: str
     states: FilterStates
 
 
 class UseTerrain(Struct, tag_field="type", tag="use_terrain"):
-    """As the history of a session has :class:`UseCosts`: the upload ``log`` has the costs."""
+    """:class:`UseCosts` as the history of a session records it: ``log`` is the upload that has the costs."""
 
     log: str
 
 
 class UseCosts(Struct):
-    """Take the costs of an upload for a layer of the costmap; None for none."""
+    """Use the costs of an upload for a layer of the costmap; None removes them."""
 
     costs: UploadedCosts | None
 
 
 class MeasureRay(Struct):
-    """A click into the 3D view of a page that measures, which only the service sends.
+    """A click in the 3D view of a page that measures. Only the service sends it.
 
-    Its line of sight goes from ``origin`` along ``direction``, and ends at ``met`` on a column of the map, map metres;
-    None: it meets none.
+    The line of sight starts at ``origin`` and has the given ``direction``. It ends at ``met`` on a column of the map,
+    in map metres; None if it meets no column.
     """
 
     origin: Point
@@ -95,7 +95,7 @@ class MeasureRay(Struct):
 
 
 def on_floor(origin: Point, direction: Point) -> tuple[float, float] | None:
-    """Return where a line of sight comes down (or up) to the floor, x and y, metres; None: nowhere."""
+    """Return where a line of sight meets the floor: x and y in metres, None if it does not."""
     (ox, oy, oz), (dx, dy, dz) = origin, direction
     if dz * oz >= 0.0:
         return None

@@ -1,6 +1,6 @@
-"""The ticks of a session: what each computes (commands, time, layers, questions), what of it is sent, their pace.
+"""The ticks of a session: what each tick computes (commands, time, layers, questions) and sends, and their pace.
 
-The progress of long computations is shown, and computations in the background wait for them.
+Long computations report their progress, and background computations wait for them.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ from server.work.movable_timer import MovableTimer
 from server.work.scheduler import checkpoint, wait_without_turn
 
 COMMANDS_S = (
-    0.05  #: computing time after which further commands wait for the next tick: other sessions need the threads
+    0.05  #: computing time after which further commands wait for the next tick, so that other sessions get threads
 )
 
 _log = structlog.get_logger(__name__)
 T = TypeVar("T")
 TICK_S = 1.0 / 30.0
-MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower
-OVERLOADED_TICK_S = 0.5  #: between ticks that nobody has acknowledged, while ticks wait long for a thread
+MAX_TICK_S = 0.1  #: longest wall time that one tick simulates; a slow machine plays more slowly
+OVERLOADED_TICK_S = 0.5  #: between unacknowledged ticks while ticks wait long for a thread
 SHOWN_AFTER_S = 0.3  #: computations that take longer send their progress,
 SHOWN_EVERY_S = 0.25  #: at this interval
-#: What a background computation waits for long ones of its session, in all: it holds a thread.
+#: Longest total time that a background computation waits for long ones of its session, since it holds a thread.
 MAX_BACKGROUND_WAIT_S = 60.0
 
 
@@ -50,7 +50,7 @@ def compute_tick(
 ) -> TickResult:
     """Carry out ``commands``, advance the model by ``dt`` seconds, and return what to send (worker thread).
 
-    ``closed`` returns whether the session has ended meanwhile; with ``whole`` the layers are drawn completely.
+    ``closed`` returns whether the session has ended in the meantime. If ``whole``, the layers are drawn completely.
     """
     result = TickResult(rest=[*commands], new_grid=whole)
     started = time.perf_counter()
@@ -68,7 +68,7 @@ def compute_tick(
     try:
         model.advance(dt if model.playback.playing else 0.0, result)
     except WorkCancelledError:
-        result.new_grid = True  # the map is between two states
+        result.new_grid = True  # the map was left half updated
     except MapperError as error:
         model.playback.playing = False
         result.changed = True
@@ -106,7 +106,7 @@ def _carry_out(model: SessionModel, queued: QueuedCommand, result: TickResult) -
 
 
 def publish_frame(model: SessionModel, hub: Hub, *, watched: bool) -> None:
-    """Publish the present state of a model; while it plays and is ``watched`` the next tick replaces the frame."""
+    """Publish the current state of a model. If it plays and is ``watched``, the next tick replaces the frame."""
     frame, scan = frame_message(model), model.scan()
     running = model.playback.playing and watched
     hub.publish(frame, scan, frame.pose[:2], settled=not running)
@@ -115,7 +115,7 @@ def publish_frame(model: SessionModel, hub: Hub, *, watched: bool) -> None:
 def send_result(
     result: TickResult, model: SessionModel, hub: Hub, hello: Callable[[], Hello], *, watched: bool
 ) -> None:
-    """Send what a computation changed; ``hello`` returns the message that is sent where it has to be new."""
+    """Send what a computation changed. ``hello`` returns the message that is sent if it has to be renewed."""
     hub.set_layers(model.layers)
     if result.is_new_hello:
         hub.set_slot(hello())
@@ -127,7 +127,7 @@ def send_result(
 
 
 def send_answers(result: TickResult, hub: Hub) -> None:
-    """Send the answers to commands, what is sent again to those whose commands were refused, and notices."""
+    """Send the answers to commands, the messages that are resent after refused commands, and the notices."""
     for client, message in result.answers:
         if client is not None:
             client.send(message)
@@ -141,7 +141,7 @@ def send_answers(result: TickResult, hub: Hub) -> None:
 
 
 def call_each(callbacks: Iterable[Callable[[], None]]) -> None:
-    """Call each; an exception that one raises is logged, and the others are called."""
+    """Call each callback; log an exception of one and continue with the others."""
     for callback in (*callbacks,):
         try:
             callback()
@@ -168,7 +168,7 @@ def hello_message(model: SessionModel, session_id: str, epoch_id: str) -> Hello:
 
 
 def working_message(elapsed_s: float | None = None, fraction: float | None = None, what: str = "map") -> WorkingMessage:
-    """Return a ``working`` message; without a time the computation has ended."""
+    """Return a ``working`` message. Without ``elapsed_s`` it says that the computation has ended."""
     return WorkingMessage(
         elapsed_s=None if elapsed_s is None else round(elapsed_s, 2),
         fraction=None if fraction is None else round(fraction, 3),
@@ -195,19 +195,19 @@ def frame_message(model: SessionModel) -> FrameMessage:
 
 
 class TickPace:
-    """Chooses the time to the next tick: a frame that no client may be sent yet is not computed.
+    """Chooses the time until the next tick, so that no frame is computed before a client can receive it.
 
-    While ticks wait for a thread for longer than :data:`TICK_S`, none is computed before a client has acknowledged the
-    last frame, or :data:`OVERLOADED_TICK_S` have passed: of two frames that a page receives between two of its own it
-    paints the newer one only.
+    While ticks wait for a thread for longer than :data:`TICK_S`, the next one is computed only after a client has
+    acknowledged the last frame or :data:`OVERLOADED_TICK_S` have passed: if a page receives two frames between two
+    repaints, it paints only the newer one.
     """
 
     def __init__(self) -> None:
-        self.is_full = False  #: whether no client could be sent a frame when the time was chosen last
-        self.waited_s = 0.0  #: for which the newest tick waited for a thread
+        self.is_full = False  #: whether no client could be sent a frame when the time was last chosen
+        self.waited_s = 0.0  #: how long the newest tick waited for a thread
 
     def tick_s(self, hub: Hub, *, has_listeners: bool) -> float:
-        """Return the time from one tick to the next, seconds; listeners are called at each tick."""
+        """Return the time from one tick to the next, seconds. Listeners are called at each tick."""
         is_overloaded = self.waited_s > TICK_S
         self.is_full = not has_listeners and not (hub.has_acknowledged if is_overloaded else hub.has_room)
         if not self.is_full:
@@ -215,7 +215,7 @@ class TickPace:
         return OVERLOADED_TICK_S if is_overloaded else MAX_TICK_S
 
     def measured(self, job: Callable[[], T]) -> Callable[[], T]:
-        """Return ``job``, a tick, as a job that notes how long it has waited since now for its thread."""
+        """Return ``job``, a tick, wrapped so that it records how long it waited for its thread from now on."""
         asked = time.monotonic()
 
         def run() -> T:
@@ -226,9 +226,9 @@ class TickPace:
 
 
 class Showing:
-    """Runs ``show`` as a task while a computation lasts, from :data:`SHOWN_AFTER_S` after its begin on.
+    """Runs ``show`` as a task during a computation, from :data:`SHOWN_AFTER_S` after its start.
 
-    Most computations end earlier and need no task. It may be begun again.
+    Most computations end earlier and need no task. It can be restarted.
     """
 
     def __init__(self, show: Callable[[], Coroutine[None, None, None]]) -> None:
@@ -237,21 +237,21 @@ class Showing:
         self._timer = MovableTimer(self._start)
 
     def begin(self) -> None:
-        """Note that a computation has begun."""
+        """Record that a computation has started."""
         self._timer.set_in(SHOWN_AFTER_S)
 
     def _start(self) -> None:
         self._task = asyncio.ensure_future(self._show())
 
     def end(self) -> None:
-        """Note that the computation has ended."""
+        """Record that the computation has ended."""
         self._timer.set(None)
         if self._task is not None:
             self._task.cancel()
             self._task = None
 
     def close(self) -> None:
-        """Note that the computation has ended, and that none follows."""
+        """Record that the computation has ended and that none follows."""
         self.end()
         self._timer.close()
 
@@ -259,18 +259,18 @@ class Showing:
 class LongWork:
     """The progress of a session's computations.
 
-    ``fraction`` returns the share of the present one that is done, and ``what`` what it computes.
+    ``fraction`` returns the completed share of the current computation, and ``what`` its subject.
     """
 
     def __init__(
         self, hub: Hub, fraction: Callable[[], float | None], clock: Callable[[], float], what: Callable[[], str]
     ) -> None:
         self._hub, self._fraction, self._clock, self._what = hub, fraction, clock, what
-        self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
+        self._nothing_long = threading.Event()  #: set while no computation shows its progress
         self._nothing_long.set()
 
     def showing(self) -> Showing:
-        """Return what sends the progress of a computation from its begin to its end."""
+        """Return the :class:`Showing` that sends the progress of a computation."""
         return Showing(self._show)
 
     async def _show(self) -> None:
@@ -285,14 +285,14 @@ class LongWork:
             self._hub.set_slot(working_message())
 
     def close(self) -> None:
-        """Let computations in the background wait no more."""
+        """Release the background computations that wait."""
         self._nothing_long.set()
 
     def in_background(self, is_open: Callable[[], bool]) -> Callable[[], bool]:
-        """Return a function for a computation that nobody waits for, which calls it all the while (worker thread).
+        """Return a function that a background computation calls regularly (worker thread).
 
-        It yields to other sessions, waits while this session computes something long, in all up to
-        :data:`MAX_BACKGROUND_WAIT_S`, and returns ``is_open()``.
+        The function yields to other sessions, waits while this session runs a long computation, for at most
+        :data:`MAX_BACKGROUND_WAIT_S` in total, and returns ``is_open()``.
         """
         left = MAX_BACKGROUND_WAIT_S
 

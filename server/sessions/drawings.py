@@ -1,9 +1,9 @@
-"""Drawings of a model in 3D, as plain data. Code that draws them is in ``server.scenes.drawers``.
+"""Drawings of a model in 3D, as plain data. The code that draws them is in ``server.scenes.drawers``.
 
 Positions are in metres in the map frame, x forward, y left, z up; rotations are unit quaternions (w, x, y, z). A
 drawing is identified by its ``name``: the next drawing of the same name replaces it, and parts that did not change are
-not sent again. Arrays must not be modified after they were put into a drawing, unless its class says otherwise: a model
-that changes them puts a new array into the next drawing. An array that is the same object is taken as unchanged.
+not sent again. Arrays must not be modified once they are in a drawing, unless its class says otherwise: a model puts
+changed values into a new array of the next drawing. If an array is the same object as before, it counts as unchanged.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Pose = tuple[float, float, float]  #: x, y, yaw
 
 _NAME = re.compile(r"[a-z0-9_-]{1,100}")
 
-CHOSEN = (232, 60, 140)  #: colour of what is asked about
+CHOSEN = (232, 60, 140)  #: colour of the selected item
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -49,7 +49,7 @@ class Drawing:
 
     @property
     def nbytes(self) -> int:
-        """Bytes of the arrays that are sent in one message. Above :data:`MAX_DRAWING_BYTES` a drawing is not shown."""
+        """Bytes of the arrays that are sent in one message. A drawing above :data:`MAX_DRAWING_BYTES` is not shown."""
         return 0
 
 
@@ -90,9 +90,9 @@ class Mesh(PlacedDrawing):
 class Points(PlacedDrawing):
     """A point cloud: ``points`` (n, 3) float32; ``colors`` (n, 3) uint8, or one colour for all.
 
-    A point is drawn ``size`` metres wide, where it is between the least and the greatest coordinates of ``clip``, its
-    bounds included; None: anywhere. The browser leaves out the others: another box is sent without the points. Raises
-    :class:`ValueError` for other shapes or types.
+    Points are drawn ``size`` metres wide. Only those within ``clip`` (least and greatest coordinates, inclusive; None:
+    all) are drawn. The browser clips them, so that another box is sent without the points. Raises :class:`ValueError`
+    for other shapes or types.
     """
 
     points: NDArray[np.float32]
@@ -114,13 +114,13 @@ class Points(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Voxels(PlacedDrawing):
-    """The seen faces of voxels of ``size`` metres, in chunks of 32³ of them.
+    """The visible faces of voxels of ``size`` metres, in chunks of 32³ voxels.
 
-    ``chunks`` has by the key of each chunk (x, y, z; of its first voxel, divided by 32) its rectangles (n, 7) uint8, as
-    :func:`mapper.volume.kernels.faces.merge_faces` makes them; an array that is the same object is unchanged. The voxel
-    of key 0 begins at ``-corner * size`` along each axis of the drawing's frame. ``palette`` (k, 3) uint8 has the
-    colours, from 1, which the direction of a face lightens and darkens; if ``by_side``, its first six are those of the
-    sides −x, +x, −y, +y, −z, +z instead.
+    ``chunks`` maps the key of each chunk (x, y, z of its first voxel, divided by 32) to its rectangles (n, 7) uint8, as
+    :func:`mapper.volume.kernels.faces.merge_faces` computes them; an array that is the same object is unchanged. The
+    voxel of key 0 begins at ``-corner * size`` along each axis of the drawing's frame. ``palette`` (k, 3) uint8 has the
+    colours, from 1, which are lightened and darkened by the direction of the face. If ``by_side``, its first six are
+    instead the colours of the sides −x, +x, −y, +y, −z, +z.
     """
 
     chunks: Mapping[tuple[int, int, int], NDArray[np.uint8]]
@@ -136,11 +136,11 @@ class Voxels(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surface(PlacedDrawing):
-    """The triangles of a surface with voxels of ``size`` metres, in chunks of 32³ of them.
+    """The triangles of a surface with voxels of ``size`` metres, in chunks of 32³ voxels.
 
-    ``chunks`` has by the key of each chunk, as in :class:`Voxels`, its mesh; one that is the same object is unchanged.
-    ``colors`` returns the colours (n, 3) uint8, sRGB, of a chunk's vertices by its key and mesh, which their normals
-    lighten and darken; it returns others only where ``colors_key`` is another one. Triangles are seen from outside.
+    ``chunks`` maps the key of each chunk, as in :class:`Voxels`, to its mesh; a mesh that is the same object is
+    unchanged. ``colors`` returns the colours (n, 3) uint8, sRGB, of a chunk's vertices from its key and mesh; they are
+    lightened and darkened by the normals, and change only with ``colors_key``. Triangles are visible from outside.
     """
 
     chunks: Mapping[tuple[int, int, int], ChunkMesh]
@@ -152,11 +152,10 @@ class Surface(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Segments(PlacedDrawing):
-    """Straight lines: ``points`` (n, 2, 3) float32, the two ends of each; ``colors`` of each end, (n, 2, 3) uint8, or
-    one colour for all.
+    """Straight lines: ``points`` (n, 2, 3) float32, the two ends of each; ``colors`` of them, or one colour for all.
 
-    ``width`` is in pixels, or in metres where ``unit`` is "world". Raises :class:`ValueError` for other shapes or
-    types.
+    ``colors`` is (n, 2, 3) uint8, a colour for each end. ``width`` is in pixels, or in metres if ``unit`` is "world".
+    Raises :class:`ValueError` for other shapes or types.
     """
 
     points: NDArray[np.float32]
@@ -180,7 +179,7 @@ class Segments(PlacedDrawing):
 class Image(PlacedDrawing):
     """An image in the x-y plane of its frame, its centre at the origin, its top row at the greatest y.
 
-    ``pixels`` (rows, cols, 3 or 4) uint8 are RGB or RGBA; the image is ``width`` times ``height`` metres large. Raises
+    ``pixels`` (rows, cols, 3 or 4) uint8 are RGB or RGBA; the image is ``width`` by ``height`` metres. Raises
     :class:`ValueError` for other shapes or types.
     """
 
@@ -202,11 +201,11 @@ class Image(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Gizmo(PlacedDrawing):
-    """Handles for moving and rotating a frame; each move calls the model's ``on_gizmo_moved``.
+    """Handles for moving and rotating a frame. Each move calls the model's ``on_gizmo_moved``.
 
-    The gizmo keeps its new pose until the model returns that pose. If the model does not, the gizmo is reset after
-    1.5 s. ``axes`` are those of x, y and z along which it can be moved (if ``moves``) and about which it can be
-    rotated (if ``turns``). An arrow is ``scale`` metres long, or ``scale`` pixels where ``unit`` is "screen".
+    The gizmo keeps its new pose until the model returns that pose. If the model does not, the gizmo is reset after 1.5
+    s. ``axes`` are the axes along which it can be moved (if ``moves``) and about which it can be rotated (if
+    ``turns``). An arrow is ``scale`` metres long, or ``scale`` pixels if ``unit`` is "screen".
     """
 
     scale: float = 1.0
@@ -223,8 +222,8 @@ COLUMN_M = 0.5  #: height of the highest columns of a grid
 class GridColumns(Drawing):
     """An occupancy grid: a floor coloured by p_occ, and a column on each occupied cell.
 
-    ``log_odds`` float32 and ``observed`` bool are (rows, cols); they may be the arrays that the session
-    updates: they are read between two ticks.
+    ``log_odds`` float32 and ``observed`` bool are (rows, cols). They may be the arrays that the session updates,
+    because they are read between two ticks.
     """
 
     geometry: GridGeometry
@@ -236,7 +235,7 @@ class GridColumns(Drawing):
 class Walls(Drawing):
     """The solids of a simulated world as low walls, and its ground.
 
-    ``solids`` are simple polygons (n, 2), counter-clockwise; the same object while they do not change. ``bounds``
+    ``solids`` are simple polygons (n, 2), counter-clockwise; the same object as long as they do not change. ``bounds``
     are x_min, y_min, x_max, y_max of the ground.
     """
 
@@ -248,7 +247,8 @@ class Walls(Drawing):
 class RobotBody(Drawing):
     """A robot on the floor at ``pose``, T_map_base, and the beams of its newest scan, which move with it.
 
-    ``beams`` (n, 2, 3) float32 are the ends of each beam in the base frame. ``beams_label`` names their switch.
+    ``beams`` (n, 2, 3) float32 are the two ends of each beam in the base frame. ``beams_label`` is the label of their
+    switch.
     """
 
     pose: Pose
@@ -259,14 +259,14 @@ class RobotBody(Drawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Path(Drawing):
-    """A path on the floor along ``poses`` (n, 3 or 2), x and y first; long paths are drawn with fewer points."""
+    """A path on the floor along ``poses`` (n, 3 or 2), x and y first. Long paths are drawn with fewer points."""
 
     poses: NDArray[np.float64]
     color: Color = (71, 78, 96)
 
 
 def _check(name: str, array: NDArray[Any], dtype: str, shape: tuple[int | None, ...]) -> None:
-    """Raise :class:`ValueError` unless ``array`` has this type and shape; None is any length."""
+    """Raise :class:`ValueError` unless ``array`` has this type and shape; None stands for any length."""
     fits = len(shape) == array.ndim and all(b in (None, a) for a, b in zip(array.shape, shape, strict=True))
     if array.dtype != np.dtype(dtype) or not fits:
         expected = ", ".join("n" if side is None else str(side) for side in shape)

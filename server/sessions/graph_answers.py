@@ -1,4 +1,4 @@
-"""Answers of the HTTP interface about a pose graph. Scans are numbers from 0, points and poses are those of the map."""
+"""Answers of the HTTP interface about a pose graph. Scans are numbered from 0; points and poses are map coordinates."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ PoseTuple = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class LoopAnswer:
-    """A loop of a pose graph: the constraint between two scans that were taken at one place at different times.
+    """A loop of a pose graph: the constraint between two scans of one place, recorded at different times.
 
-    ``residual`` is how far the graph's solution is from the measurement, in standard deviations, ``weight`` what the
-    robust kernel leaves of the loop, 0 to 1, unless it is ``locked``.
+    ``residual`` is the distance of the graph's solution from the measurement, in standard deviations. ``weight`` is the
+    factor of the robust kernel, 0 to 1, unless the loop is ``locked``.
     """
 
     edge: int
@@ -26,10 +26,10 @@ class LoopAnswer:
 
 @dataclass(frozen=True, slots=True)
 class PoseGraphAnswer:
-    """The pose graph of a trajectory: its loops, worst first; ``tried`` counts them with those that were refused.
+    """The pose graph of a trajectory: its loops, worst first. ``tried`` is their number including the rejected ones.
 
-    ``nodes`` and ``odometry`` are numbers of nodes and of edges of odometry; ``changed`` says whether it is not as SLAM
-    left it.
+    ``nodes`` and ``odometry`` are the numbers of nodes and of odometry edges. ``changed`` says whether the graph
+    differs from the result of SLAM.
     """
 
     trajectory: str
@@ -44,7 +44,7 @@ class PoseGraphAnswer:
 
 @dataclass(frozen=True, slots=True)
 class ScanPoints:
-    """The end points of two scans, metres; ``aligned`` are those of the later one as a loop's measurement puts it."""
+    """The end points of two scans, metres. ``aligned`` are those of the later scan, placed by a loop's measurement."""
 
     i: list[PointTuple]
     j: list[PointTuple]
@@ -61,7 +61,7 @@ class ScanPair:
 
 @dataclass(frozen=True, slots=True)
 class ConstraintAnswer(LoopAnswer):
-    """An edge of either kind; ``off_m`` and ``off_deg`` are how far the poses are from its measurement."""
+    """An edge of either kind. ``off_m`` and ``off_deg`` are the deviations of the poses from its measurement."""
 
     kind: Literal["loop", "odometry"]
     off_m: float
@@ -72,7 +72,7 @@ class ConstraintAnswer(LoopAnswer):
 class ScanConstraints:
     """The edges that determine the pose of a scan, the greatest residual first.
 
-    ``scan`` is that of the node of the graph: the nearest to the one that was asked about.
+    ``scan`` is the scan of the graph's node nearest to the requested scan.
     """
 
     scan: int
@@ -83,7 +83,7 @@ class ScanConstraints:
 class EdgeAnswer(ConstraintAnswer):
     """An edge with both of its scans.
 
-    ``score`` and ``inliers`` are those of the match, 0 to 1, null of an edge of odometry.
+    ``score`` and ``inliers`` are those of the match, 0 to 1; null for an odometry edge.
     """
 
     score: float | None
@@ -94,7 +94,7 @@ class EdgeAnswer(ConstraintAnswer):
 
 @dataclass(frozen=True, slots=True)
 class TriedLoop:
-    """A loop that SLAM tried, ``away_m`` metres from a place; ``reason`` says what refused it, empty if accepted."""
+    """A loop that SLAM tried, ``away_m`` metres from a place. ``reason`` is why it was rejected, empty if accepted."""
 
     candidate: int
     scans: tuple[int, int]
@@ -115,9 +115,10 @@ class TriedLoopScans(TriedLoop):
 
 @dataclass(frozen=True, slots=True)
 class TriedNear:
-    """What was tried near a place. ``visits`` are the runs of scans, first and last, that were taken near it.
+    """The loops that were tried near a place. ``visits`` are the runs of scans (first and last) recorded near it.
 
-    ``pair`` is a scan of the first visit and one of the last, which a loop could join; null without two visits.
+    ``pair`` is a scan of the first visit and one of the last, which a loop could join; null if there are not two
+    visits.
     """
 
     visits: list[tuple[int, int]]
@@ -127,11 +128,11 @@ class TriedNear:
 
 @dataclass(frozen=True, slots=True)
 class ScoreLandscape:
-    """How well the later scan of an edge fits the earlier one at the poses around the edge's measurement.
+    """The match score of an edge's later scan against the earlier one, at poses around the edge's measurement.
 
-    ``scores`` are percent, ``size`` rows of as many cells of ``cell_m`` metres from the least y, each at the best of
-    the angles ``turn_deg`` apart, whose number is in ``turn_of``; ``by_turn`` is the greatest at each angle.
-    ``centre`` is where the edge puts the scan, ``present`` its pose in the map.
+    ``scores`` are in percent: ``size`` rows of ``size`` cells of ``cell_m`` metres, from the least y. Each is the best
+    over the angles, which are ``turn_deg`` apart; ``turn_of`` is the index of that angle. ``by_turn`` is the greatest
+    score at each angle. ``centre`` is the later scan's pose according to the edge, ``present`` its pose in the map.
     """
 
     edge: int

@@ -46,8 +46,8 @@ from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint
 if TYPE_CHECKING:
     from mapper.replay.replay import CheckpointPrefetcher
 
-PAUSE_S = 0.05  #: shortest pause between two computations of deferred work, which takes at most a quarter of the time
-MAX_DEFERRAL_S = 0.2  #: deferred work waits at most this long for an empty queue of commands
+PAUSE_S = 0.05  #: shortest pause between two runs of deferred work, which takes at most a quarter of the time
+MAX_DEFERRAL_S = 0.2  #: longest time that deferred work waits for an empty queue of commands
 
 T = TypeVar("T")
 
@@ -55,7 +55,7 @@ _log = structlog.get_logger(__name__)
 
 
 class SessionHost:
-    """Runs one model. Created by the registry on the event loop; :meth:`start` sets the model."""
+    """Host that runs one model. The registry creates it on the event loop; :meth:`start` starts the model."""
 
     model: SessionModel
     hub: Hub
@@ -73,7 +73,7 @@ class SessionHost:
         clock: Callable[[], float] = time.monotonic,
         place: str = "",
     ) -> None:
-        #: A reverse proxy finds the service that has the session by what stands before the point.
+        #: A reverse proxy finds the service of a session by the part of the id before the point.
         self.id = f"{place}.{secrets.token_urlsafe(18)}" if place else secrets.token_urlsafe(18)
         self.place = place
         self.epoch_id = secrets.token_hex(8)
@@ -92,20 +92,20 @@ class SessionHost:
         self._lock = asyncio.Lock()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
-        self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
+        self._tick_failed = False  #: whether a tick ended before the layers were updated
         self._pace = TickPace()
-        self._is_draw_due = False  #: whether a layer is to be drawn that was not watched before
-        self._hello_is_old = True  #: whether something was computed since the ``hello`` message was made
+        self._is_draw_due = False  #: whether a layer must be drawn that was not watched before
+        self._hello_is_old = True  #: whether anything was computed since the ``hello`` message was made
         self._deferred_due = 0.0
         self._requests = ReplacingRequests(clock)
-        self._catching_up_since: float | None = None  #: when the first of the ticks began that make one map
-        self._caught_up = asyncio.Event()  #: whether there is no such map
+        self._catching_up_since: float | None = None  #: start of the first of the ticks that together compute one map
+        self._caught_up = asyncio.Event()  #: set while no such map is being computed
         self._caught_up.set()
-        self._showing: Showing  #: of the progress of such a map, and of each tick
+        self._showing: Showing  #: progress of such a map, and of each tick
         self._timer = MovableTimer(self._wake.set)
 
     def prepare(self, model: SessionModel) -> None:
-        """Make the first state of ``model``, as clients get it (any thread, before :meth:`start`)."""
+        """Compute the initial state of ``model``, as clients receive it (any thread, before :meth:`start`)."""
         self.model = model
         self._hello = partial(hello_message, model, self.id, self.epoch_id)
         self.hub = Hub(model.layers, self._clock, self._traffic, self._draw_on_demand)
@@ -116,7 +116,7 @@ class SessionHost:
     # -- on the event loop --------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Start running the model that was prepared."""
+        """Start running the prepared model."""
         model = self.model
         self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock, lambda: model.working_on)
         self._showing = self._long_work.showing()
@@ -125,7 +125,7 @@ class SessionHost:
         self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")
 
     async def close(self) -> None:
-        """End the session: the task, then its clients and the callbacks of ``on_close``."""
+        """End the session: cancel the task, then disconnect its clients and call the callbacks of ``on_close``."""
         if self.closed:
             return
         self.closed = True
@@ -143,19 +143,19 @@ class SessionHost:
         self.listeners.clear()
 
     def listen(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` on the event loop after each tick that changed something; it keeps the session running."""
+        """Call ``callback`` on the event loop after each tick that changed something. It keeps the session running."""
         self.listeners.append(callback)
         self._wake.set()
 
     def ignore(self, callback: Callable[[], None]) -> None:
-        """Remove a callback of :meth:`listen`."""
+        """Remove a callback that :meth:`listen` added."""
         if callback in self.listeners:
             self.listeners.remove(callback)
             self._left()
 
     def join(self, *, follows: bool = False, page: str = "") -> Client:
-        """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
-        if self._hello_is_old:  # a class of hundreds joins within seconds
+        """Return a new client, which will receive the complete state. ``follows`` is whether it belongs to a class."""
+        if self._hello_is_old:  # a class of hundreds of clients joins within seconds
             self.hub.slots["hello"], self._hello_is_old = encode_text(self._hello()), False
         client = self.hub.join(follows=follows, page=page)
         self._wake.set()
@@ -169,7 +169,7 @@ class SessionHost:
     def _left(self) -> None:
         if not self.watched:
             self.unwatched_since = self._clock()
-            self.hub.settled = True  # nothing is computed now, so the newest frame remains true
+            self.hub.settled = True  # nothing is being computed, so the newest frame remains valid
 
     @property
     def watched(self) -> bool:
@@ -182,25 +182,25 @@ class SessionHost:
         return bool(self.listeners) or any(not client.is_stalled for client in self.hub.clients)
 
     def acknowledge(self, client: Client, seq: int) -> None:
-        """Note that a client has painted the frames up to ``seq``. Raises :class:`ProtocolError`."""
+        """Record that a client has painted the frames up to ``seq``. Raises :class:`ProtocolError`."""
         was_stalled = client.is_stalled
         client.acknowledge(seq)
         if was_stalled or self._pace.is_full:
             self._wake.set()
 
     def select(self, client: Client, place: tuple[float, float] | None) -> None:
-        """Have ``place``, map metres, marked in the 3D views of a client's page; None for none."""
+        """Mark ``place``, in map metres, in the 3D views of a client's page; None removes the mark."""
         client.selected = place
         call_each(self.listeners)
 
     def measure(self, client: Client, measured: MeasureCommand) -> None:
-        """Have what a client's page measures drawn in its 3D views, where clicks are then answered with `place`."""
+        """Draw a page's measurement in its 3D views. Clicks there are then answered with a `place` message."""
         client.measured = None if measured.points is None else measured
         call_each(self.listeners)
 
     @property
     def cells(self) -> int:
-        """Cells of the model's grids."""
+        """Number of cells of the model's grids."""
         return self.model.footprint.cells
 
     def enqueue(self, command: Struct, client: Client | None = None) -> None:
@@ -220,7 +220,7 @@ class SessionHost:
 
     @property
     def is_busy(self) -> bool:
-        """Whether the session computes or has queued commands."""
+        """Whether the session is computing or has queued commands."""
         return self.has_queued_commands or self._lock.locked() or not self._caught_up.is_set()
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
@@ -251,7 +251,7 @@ class SessionHost:
 
     @asynccontextmanager
     async def settled(self) -> AsyncIterator[None]:
-        """Return a context as :meth:`locked` does, in which the maps are those that commands requested (event loop)."""
+        """Return a context like :meth:`locked` in which all requested changes of the maps are complete (event loop)."""
         await self._queue.carried_out()
         while True:
             await self._caught_up.wait()
@@ -261,7 +261,7 @@ class SessionHost:
                     return
 
     def limits(self) -> Limits:
-        """Return the present limits of the session's grids."""
+        """Return the current limits of the session's grids."""
         return self._limits(self)
 
     def _draw_on_demand(self) -> None:
@@ -283,7 +283,7 @@ class SessionHost:
             if self.closed:
                 return
             now = self._clock()
-            last = last if ticking else now - TICK_S  # time without playback does not count
+            last = last if ticking else now - TICK_S  # time while paused does not count
             due = playback.playing and self.is_seen and now - last >= self._tick_s()
             commands = self._queue.waiting()
             is_due = commands or due or self._is_draw_due
@@ -294,10 +294,10 @@ class SessionHost:
             last = now if due else last
             await self._tick(commands, dt)
             if self.listeners:
-                await asyncio.sleep(0)  # one that reads the model has its turn before the next tick
+                await asyncio.sleep(0)  # lets a task that reads the model run before the next tick
 
     async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
-        """Compute a tick with ``commands``, the first ones of the queue, and send its result."""
+        """Compute a tick with ``commands``, the first of the queue, and send its result."""
         rest: list[QueuedCommand] = []
         self._requests.accept_cancel()
         try:
@@ -317,7 +317,7 @@ class SessionHost:
             self._queue.finish(len(commands), rest)
 
     async def _computed_tick(self, job: Callable[[], TickResult]) -> TickResult:
-        """Compute a tick; progress is shown of all ticks together that make one map."""
+        """Compute a tick. Progress covers all ticks that together compute one map."""
         began = self._catching_up_since
         if began is None:
             began = self._clock()
@@ -344,7 +344,7 @@ class SessionHost:
         return self._pace.tick_s(self.hub, has_listeners=bool(self.listeners))
 
     def _is_deferred_work_due(self) -> bool:
-        """Whether deferred work is due and no command is queued, or it has been due for :data:`MAX_DEFERRAL_S`."""
+        """Return whether deferred work is due and no command is queued, or has been due for :data:`MAX_DEFERRAL_S`."""
         if not (self.model.has_deferred_work and self.watched) or self.closed or not self._caught_up.is_set():
             return False
         late = self._clock() - self._deferred_due
@@ -370,7 +370,7 @@ class SessionHost:
         self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))
 
     async def on_thread(self, job: Callable[[], T], *, interactive: bool = True) -> T:
-        """Compute ``job`` on a worker thread as scheduled; clients receive its progress if it takes long."""
+        """Compute ``job`` on a scheduled worker thread. Clients receive its progress if it takes long."""
         showing = self._long_work.showing()
         showing.begin()
         try:
@@ -379,7 +379,7 @@ class SessionHost:
             showing.close()
 
     def cancellable(self, *, by_newer: bool = True) -> AbstractContextManager[None]:
-        """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
+        """Return a context in which ``cancel`` or a newer command cancels the computation (worker thread)."""
         return self._requests.cancellable(by_newer=by_newer)
 
     def may_continue(self) -> bool:
@@ -388,19 +388,19 @@ class SessionHost:
         return not (self.closed or self._requests.is_useless)
 
     def in_background(self) -> Callable[[], bool]:
-        """Return a function for a computation in the background, see :meth:`LongWork.in_background`."""
+        """Return a function for a background computation, see :meth:`LongWork.in_background`."""
         return self._long_work.in_background(lambda: not self.closed)
 
     def _stop(self) -> None:
-        """Pause after a defect, and send an error message."""
+        """Pause after an internal error, and send an error message."""
         self.model.playback.playing = False
         self._tick_failed = True
         self.hub.send_all(ErrorMessage("internal", "The session stopped because of a defect in the service."))
-        with contextlib.suppress(Exception):  # the defect may lie in what is shown
+        with contextlib.suppress(Exception):  # the cause may be what the frame shows
             publish_frame(self.model, self.hub, watched=self.watched)
 
     async def _wait(self, seconds: float | None) -> None:
-        """Wait for a command or a client, at most ``seconds``."""
+        """Wait for a command or a client, for at most ``seconds``."""
         self._wake.clear()
         if not (self.closed or self._queue or (seconds is not None and seconds <= 0.0)):
             if seconds is not None:

@@ -1,4 +1,4 @@
-"""The interface of the host that a model and its parts use."""
+"""The host's interface to its model and the model's parts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 class ModelHost(Protocol):
-    """The host's interface for its model; implemented by :class:`server.sessions.host.SessionHost`."""
+    """Interface of the host to its model. Implemented by :class:`server.sessions.host.SessionHost`."""
 
     closed: bool
     scheduler: Scheduler
@@ -25,22 +25,22 @@ class ModelHost(Protocol):
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
     def limits(self) -> Limits:
-        """Return the present limits of the session's grids (any thread)."""
+        """Return the current limits of the session's grids (any thread)."""
 
     def may_continue(self) -> bool:
         """Yield to other sessions, and return whether the computation should continue."""
 
     def in_background(self) -> Callable[[], bool]:
-        """Return a function for a computation that nobody waits for, which calls it all the while.
+        """Return a function that a background computation calls regularly.
 
-        It yields to other sessions, waits while this session computes something that takes long, and returns whether
-        the session is open.
+        The function yields to other sessions, waits while this session runs a long computation, and returns whether the
+        session is open.
         """
 
     def cancellable(self, *, by_newer: bool = True) -> AbstractContextManager[None]:
         """Return a context in which :meth:`may_continue` is False once a client asks to cancel the computation.
 
-        It is False as well, unless ``by_newer`` is False, once a newer command makes the result useless.
+        Unless ``by_newer`` is False, it is also False once a newer command makes the result useless.
         """
 
     # -- on the event loop ----------------------------------------------------------------------------------------
@@ -52,13 +52,13 @@ class ModelHost(Protocol):
         """Return a context in which the session computes nothing, so that its maps can be read."""
 
     def settled(self) -> AbstractAsyncContextManager[None]:
-        """Return a context as :meth:`locked` does, in which the maps are those that commands requested."""
+        """Return a context like :meth:`locked` in which all requested changes of the maps are complete."""
 
     async def on_thread(self, job: Callable[[], T]) -> T:
-        """Compute ``job`` on a worker thread as scheduled."""
+        """Compute ``job`` on a scheduled worker thread."""
 
     def enqueue(self, command: Struct) -> None:
-        """Queue a command of the service itself. Raises :class:`server.stream.protocol.ProtocolError` if it is full."""
+        """Queue a command of the service. Raises :class:`server.stream.protocol.ProtocolError` if the queue is full."""
 
     def deliver(self, result: TickResult) -> None:
         """Send the result of a computation between two ticks."""

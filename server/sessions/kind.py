@@ -1,4 +1,4 @@
-"""A kind of session: its request, and the plan by which its model is made."""
+"""A kind of session: its request, and the plan that creates its model."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ GivenValues: TypeAlias = dict[str, Annotated[Value, SkipValidation]]
 
 
 class SessionRequest(BaseModel, extra="forbid"):
-    """The body of ``POST /api/sessions``. Each kind derives a class in which ``kind`` is a literal, its name."""
+    """The body of ``POST /api/sessions``. Each kind derives a class whose ``kind`` is a literal, its name."""
 
     kind: str
     playing: bool = Field(True, description="Whether the session plays from the start.")
@@ -36,22 +36,23 @@ class SessionRequest(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Plan by which the model of one session is made, within the budgets of the registry."""
+    """Plan for creating the model of one session, within the budgets of the registry."""
 
     make: Callable[[ModelHost, Making], SessionModel]
-    """Makes the model (worker thread). It checks :meth:`Making.may_continue` and raises
-    :class:`mapper.core.errors.WorkCancelledError` if that is False."""
+    """Creates the model (worker thread). It calls :meth:`Making.may_continue` and raises
+    :class:`mapper.core.errors.WorkCancelledError` if that returns False."""
     logs: tuple[ScanLog, ...] = ()  #: logs that the model will hold in memory
-    name: str | None = None  #: under which the page requests the progress
+    name: str | None = None  #: name under which the page requests the progress
     interactive: bool = True  #: False for long work, which is deferred while short work waits
-    playing: bool = True  #: False: paused at first, whatever the model's default is
+    playing: bool = True  #: False: initially paused, whatever the model's default
 
 
 @dataclass(frozen=True, slots=True)
 class Resources:
     """Resources that a plan may use.
 
-    The visitor's logs, the longest computing time for replaying a story, seconds, and where progress is reported.
+    They are the visitor's logs, the longest computing time for replaying a story in seconds, and the object to which
+    progress is reported.
     """
 
     visitor: str
@@ -66,4 +67,4 @@ class Kind:
 
     request: type[SessionRequest]
     plan: Callable[[Any, Resources], Awaitable[Plan]]
-    """Returns the plan for a request. Raises :class:`mapper.core.errors.MapperError` if it is refused."""
+    """Returns the plan for a request. Raises :class:`mapper.core.errors.MapperError` if the request is refused."""

@@ -1,4 +1,4 @@
-"""Sessions that are being created: the progress of each, and whether it was cancelled."""
+"""Sessions being created, with their progress and whether they were cancelled."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from server.work.scheduler import checkpoint
 
 @dataclass(slots=True, eq=False)
 class Making:
-    """A session that is being created. The fields may be read from any thread."""
+    """A session being created. The fields may be read from any thread."""
 
-    fraction: float = 0.0  #: share of the work that is done, 0 to 1
-    watched: Callable[[], tuple[str, float | None]] | None = None  #: the present part of the work, see :meth:`progress`
+    fraction: float = 0.0  #: completed share of the work, 0 to 1
+    watched: Callable[[], tuple[str, float | None]] | None = None  #: the current part of the work, see :meth:`progress`
     is_wanted: bool = True
     began: float = field(default_factory=time.monotonic)
 
     def may_continue(self) -> bool:
-        """Yield to other sessions (worker thread), and return whether the session is still wanted."""
+        """Yield to other sessions (worker thread), and return whether the session is still needed."""
         checkpoint()
         return self.is_wanted
 
     def report(self, fraction: float) -> None:
-        """Set the share of the work that is done."""
+        """Set the completed share of the work."""
         self.fraction = fraction
 
     def progress(self) -> tuple[str | None, float | None]:
-        """Return what is being done (None: what was asked for), and the share of it that is done, None if unknown."""
+        """Return the current part of the work (None: the request itself) and its completed share, None if unknown."""
         return (None, self.fraction) if self.watched is None else self.watched()
 
 
 class UnderWay:
-    """The sessions that are being created, by visitor and by the name that the page chose."""
+    """The sessions being created, by visitor and by the name that the page chose."""
 
     def __init__(self) -> None:
         self._all: set[Making] = set()
@@ -42,7 +42,7 @@ class UnderWay:
 
     @contextmanager
     def making(self, visitor: str, name: str | None) -> Iterator[Making]:
-        """Return a context with a new entry, found under its ``name`` inside the block and cancelled after it."""
+        """Return a context with a new entry, listed under ``name`` inside the context and cancelled at its end."""
         making = Making()
         self._all.add(making)
         if name is not None:
@@ -61,10 +61,10 @@ class UnderWay:
         return not self._all
 
     def end(self) -> None:
-        """Cancel all, when the service ends."""
+        """Cancel all of them, when the service ends."""
         for making in self._all:
             making.is_wanted = False
 
     def get(self, visitor: str, name: str) -> Making | None:
-        """Return the entry of that name, None if there is none."""
+        """Return the entry of that name, None if it does not exist."""
         return self._named.get((visitor, name))

@@ -38,29 +38,29 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 NO_SCAN = ScanFields()
-#: No reading: pages wait for a first scan.
+#: Without readings, pages would wait for a first scan.
 NO_READINGS = ScanFields(scan_pose=(0.0, 0.0, 0.0), ranges=[], angle_min=0.0, angle_increment=0.0, range_max=0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """The memory that a model holds: cells of its grids, and logs."""
+    """Memory that a model uses: cells of its grids, and logs."""
 
     cells: int = 0
     logs: tuple[ScanLog, ...] = ()
 
 
 class SessionModel(ABC):
-    """Model of a session. A kind has to implement :attr:`layers` and :meth:`advance`; the rest has a default."""
+    """Model of a session. A kind must implement :attr:`layers` and :meth:`advance`; the rest has defaults."""
 
     kind: ClassVar[str]  #: name of the kind, as in :data:`server.sources.KINDS`
     replacing: ClassVar[tuple[type[Struct], ...]] = ()
     """Commands that make an unfinished map useless."""
     resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {}
-    """Command → type of the message that its sender gets again if the command is refused."""
+    """Command → type of the message that is resent to its sender if the command is refused."""
 
-    source: object = None  #: what its parts work on, where that is an object of its own
-    parts: Sequence[Part] = ()  #: its capabilities, in the order in which they follow what changed
+    source: object = None  #: what its parts work on, if that is a separate object
+    parts: Sequence[Part] = ()  #: its capabilities, in the order in which changes are passed to them
 
     def __init__(self, playback: Playback | None = None) -> None:
         self.playback = playback or Playback()
@@ -71,23 +71,23 @@ class SessionModel(ABC):
     @property
     @abstractmethod
     def layers(self) -> Sequence[Layer]:
-        """Layers that are shown, the map first."""
+        """The displayed layers, the map first."""
 
     @abstractmethod
     def advance(self, dt: float, result: TickResult) -> None:
-        """Advance by ``dt`` seconds; 0 only finishes what commands began.
+        """Advance by ``dt`` seconds; 0 only completes what commands started.
 
         Raises :class:`mapper.core.errors.WorkCancelledError` if a newer command cancelled it, and
-        :class:`mapper.core.errors.MapperError` if it cannot continue: the session is paused then.
+        :class:`mapper.core.errors.MapperError` if it cannot continue; the session is then paused.
         """
 
     def find(self, kind: type[T]) -> T | None:
-        """Return what implements an interface: the model itself, its source or one of its parts; None: nothing does."""
+        """Return the implementation of an interface: the model, its source or one of its parts; None if none has it."""
         return next((provider for provider in (self, self.source, *self.parts) if isinstance(provider, kind)), None)
 
     @property
     def parts_on(self) -> list[Part]:
-        """The parts that are on, or follow one that is."""
+        """The parts that are on, or follow a part that is on."""
         return [part for part in self.parts if part.is_on or (part.followed is not None and part.followed.is_on)]
 
     # -- description -----------------------------------------------------------------------------------------------
@@ -104,55 +104,55 @@ class SessionModel(ABC):
 
     @property
     def frame_id(self) -> str | None:
-        """The frame of the map, None if it is not known."""
+        """The frame of the map, None if unknown."""
         return "map"
 
     @property
     def offset(self) -> Offset:
-        """What a position in :attr:`frame_id` has more than one in the map: x and y, metres."""
+        """What to add to map coordinates to get those in :attr:`frame_id`: x and y, metres."""
         return NO_OFFSET
 
     @property
     def grid(self) -> OccupancyGrid | None:
-        """The map that can be downloaded, None if there is none."""
+        """The map for download, None if there is none."""
         return None
 
     @property
     def footprint(self) -> Footprint:
-        """The memory that the model holds (any thread)."""
+        """The memory that the model uses (any thread)."""
         return Footprint()
 
     @property
     def progress(self) -> tuple[int, int]:
-        """``(index, count)``: scans in the map, scans in total."""
+        """``(index, count)``: number of scans in the map, and in total."""
         return (0, 0)
 
     def complete(self, hello: Hello) -> None:  # noqa: B027 - some kinds have none
-        """Set the fields of ``hello`` that the kind has: none by default."""
+        """Set the fields of ``hello`` specific to the kind. By default there are none."""
 
     def tables(self) -> dict[str, list[Parameter]]:
-        """Return the rows of the parameters of the parts, by the type of the command that sets them."""
+        """Return the parameter rows of the parts, by the type of the command that sets them."""
         return {command: rows for part in self.parts for command, rows in part.tables.items()}
 
     def messages(self) -> list[Struct]:
-        """Return the messages for a new client, the newest of each type: by default those of the parts."""
+        """Return the messages for a new client, the newest of each type; by default those of the parts."""
         return [message for part in self.parts for message in part.messages()]
 
     def history(self) -> list[Struct]:
-        """Return the commands from which the parts of another session get the same."""
+        """Return the commands that bring the parts of another session to the same state."""
         return [command for part in self.parts for command in part.history()]
 
     def complete_frame(self, frame: FrameMessage) -> None:  # noqa: B027 - some kinds have none
-        """Set the fields of ``frame`` that the kind has, except those about the scan."""
+        """Set the fields of ``frame`` specific to the kind, except those about the scan."""
 
     def scan(self) -> ScanFields:
-        """Return the fields of ``frame`` about the newest scan: the same object until there is a newer scan."""
+        """Return the fields of ``frame`` about the newest scan; the same object until there is a newer scan."""
         return NO_SCAN
 
     # -- 3D -------------------------------------------------------------------------------------------------------
 
     def drawings(self) -> list[Drawing]:
-        """Return what is shown in 3D (event loop, between two ticks); the arrays may be those that ticks update."""
+        """Return the drawings of the 3D view (event loop, between two ticks); ticks may update their arrays."""
         return []
 
     def controls(self) -> SceneControls:
@@ -172,11 +172,11 @@ class SessionModel(ABC):
         direction: Point,
         met: Point | None = None,  # noqa: ARG002 - most kinds need none
     ) -> Struct | None:
-        """Return the command for a click whose ray through the 3D view begins at ``origin``, metres; None for none.
+        """Return the command for a click whose ray in the 3D view begins at ``origin``, metres; None for none.
 
-        ``met`` is where it meets the columns of a map that the view shows, None where it meets none. By default that
-        for the voxel that the ray meets, where there is a map in 3D that is asked, else for a click on the floor where
-        it comes down (or up) to it. As :meth:`on_scene_click`.
+        ``met`` is where the ray meets the columns of a displayed map, None if it does not. By default this is the
+        command for the voxel that the ray meets, if there is a 3D map that answers clicks, else the one for a click on
+        the floor where the ray meets it. Called like :meth:`on_scene_click`.
         """
         volume = self.find(Volumetric)
         if volume is not None and volume.is_on and volume.is_asked:
@@ -190,9 +190,9 @@ class SessionModel(ABC):
         position: Point,
         wxyz: Quaternion,  # noqa: ARG002 - a clip box has none
     ) -> Struct | None:
-        """Return the command for a move of the gizmo ``name``, None for no command. As :meth:`on_scene_click`.
+        """Return the command for a move of the gizmo ``name``, None for no command. Called like :meth:`on_scene_click`.
 
-        By default that for a handle of the clip box of a map in 3D.
+        By default this is the command for a handle of a 3D map's clip box.
         """
         volume = self.find(Volumetric)
         return volume.clipped(name, position) if volume is not None and volume.is_on else None
@@ -204,10 +204,10 @@ class SessionModel(ABC):
         self.playback.playing = True
 
     def handle(self, command: Struct, result: TickResult) -> None:
-        """Carry out a command other than those of every session (play, pause, speed): by default one of a part.
+        """Carry out a command other than those of every session (play, pause, speed). By default a part handles it.
 
-        Sets ``result.changed`` if a new frame has to be published. Raises :class:`ProtocolError` or
-        :class:`mapper.core.errors.MapperError` if the command is refused; nothing has changed then.
+        Sets ``result.changed`` if a new frame must be published. If the command is refused, raises
+        :class:`ProtocolError` or :class:`mapper.core.errors.MapperError` and changes nothing.
         """
         if isinstance(command, MeasureRay):
             self._answer_place(command, result)
@@ -220,7 +220,7 @@ class SessionModel(ABC):
         raise ProtocolError("command.unknown", f"A {self.kind} session has no command {type_of(command)!r:.80}.")
 
     def _answer_place(self, ray: MeasureRay, result: TickResult) -> None:
-        """Answer with what the click of a page that measures means; with nothing where it meets nothing."""
+        """Answer a measuring page's click with the place that it selects; with none if it meets nothing."""
         volume = self.find(Volumetric)
         met = volume.met(ray.origin, ray.direction) if volume is not None and volume.is_on else None
         if met is not None:
@@ -230,10 +230,10 @@ class SessionModel(ABC):
             result.answer(PlaceMessage(place[0], place[1], None, None))
 
     def settle(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
-        """Compute once what the commands of this tick requested, such as a map with other parameters."""
+        """Compute what the commands of this tick requested, such as a map with other parameters, once for all."""
 
     def draw(self, result: TickResult) -> None:
-        """Update the layers with the changes of the tick; by default those of the parts."""
+        """Update the layers with the changes of the tick; by default the layers of the parts."""
         for part in self.parts_on:
             with self.computing(part.subject):
                 part.changed(result)
@@ -242,27 +242,27 @@ class SessionModel(ABC):
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether the maps are not yet those that commands requested: the next tick goes on (event loop)."""
+        """Whether the maps are not up to date with the commands, so that the next tick continues (event loop)."""
         return False
 
     @property
     def catch_up_pause_s(self) -> float:
-        """Seconds from now for which a tick that only catches up waits, so that what was computed is sent first."""
+        """Seconds for which a tick that only catches up waits, so that earlier results are sent first."""
         return 0.0
 
     @property
     def fraction(self) -> float | None:
-        """The share of the present computation that is done, 0 to 1; None if not known (any thread)."""
+        """Completed share of the current computation, 0 to 1; None if unknown (any thread)."""
         return None
 
     @property
     def working_on(self) -> str:
-        """Subject of the present computation, as in the message ``working`` (any thread)."""
+        """Subject of the current computation, as in the ``working`` message (any thread)."""
         return next((part.answering for part in self.parts if part.answering), self._subject)
 
     @contextmanager
     def computing(self, subject: str) -> Iterator[None]:
-        """Return a context in which ``subject`` is computed, see :attr:`working_on`."""
+        """Return a context in which :attr:`working_on` is ``subject``."""
         before, self._subject = self._subject, subject
         try:
             yield
@@ -271,7 +271,7 @@ class SessionModel(ABC):
 
     @property
     def has_deferred_work(self) -> bool:
-        """Whether there is work that the layers do not depend on (event loop); by default of a part."""
+        """Whether there is work that the layers do not depend on (event loop). By default a part has it."""
         return any(part.has_deferred_work for part in self.parts_on)
 
     def run_deferred_work(self, result: TickResult) -> None:
@@ -309,14 +309,14 @@ def scan_of(robot_state: RobotState, config: MappingConfig) -> ScanFields:
 
 
 class ScanReport:
-    """The fields of ``frame`` about a scan, computed once for each scan."""
+    """The fields of ``frame`` about a scan, computed once per scan."""
 
     def __init__(self) -> None:
         self._key: tuple[Any, ...] = ()
         self._scan = NO_READINGS
 
     def scan(self, robot: RobotState, config: MappingConfig) -> ScanFields:
-        """Return the fields of the newest scan: the same object until there is a newer scan."""
+        """Return the fields of the newest scan; the same object until there is a newer scan."""
         key = (robot.scan, robot.scan_pose, robot.believed_scan_pose, config.range_max)
         if not self._key or self._key[0] is not robot.scan or self._key[1:] != key[1:]:
             self._key, self._scan = key, scan_of(robot, config)
@@ -329,7 +329,7 @@ def _rounded(pose: Pose) -> Pose:
 
 
 def _ranges(scan: RangeScan) -> list[float | None]:
-    """Return :func:`readings` as JSON, which the encoder copies, where none is too large for that."""
+    """Return :func:`readings` as JSON for the encoder to copy, if no value is too large for that."""
     text = np.empty(2 + MOST_BYTES * len(scan.ranges), dtype=np.uint8)
     low, high = (float(np.float32(limit)) for limit in (scan.range_min, scan.range_max))  # as NumPy compares them
     size = write_thousandths(scan.ranges, low, high, text)
@@ -337,7 +337,7 @@ def _ranges(scan: RangeScan) -> list[float | None]:
 
 
 def readings(scan: RangeScan) -> list[float | None]:
-    """Return the scan's readings in metres, rounded, None for no return and for an invalid reading."""
+    """Return the scan's readings in metres, rounded; None for no return and for invalid readings."""
     ranges = scan.ranges
     measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
     rounded: list[float | None] = np.round(ranges.astype(np.float64), 3).tolist()

@@ -1,4 +1,4 @@
-"""A part of a session: one capability, as its source and the host see it, and what a source offers its parts."""
+"""A part of a session: the interface of one capability for its source and the host, and what a source offers."""
 
 from __future__ import annotations
 
@@ -35,23 +35,23 @@ class Cloud(Protocol):
 
     @property
     def truth(self) -> str | None:
-        """Source of known ground points, None if there is none."""
+        """Source of the known ground points, None if there is none."""
 
     def points(self) -> Float64Array:
-        """Return the points (n, 3) alone."""
+        """Return only the points (n, 3)."""
 
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
-        """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if that is not known."""
+        """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """The robot of a source now, in its map.
+    """The current robot of a source, in its map.
 
-    ``pose`` is T_map_base as it takes itself to be, ``time_s`` the time on the clock of its scans. ``scan`` is its
-    newest scan, None while that is not in the map, and ``scan_pose`` T_map_laser there. ``number`` grows with each
-    newest scan; it is less than before where the map was brought back to an earlier one. ``topic`` is that of the scan,
-    of all ``topics`` of scans that are mapped; empty where there are none.
+    ``pose`` is the robot's own estimate of T_map_base, ``time_s`` the time on the clock of its scans. ``scan`` is its
+    newest scan, None while that is not in the map, and ``scan_pose`` its T_map_laser. ``number`` increases with each
+    new scan and decreases when the map goes back to an earlier one. ``topic`` is the topic of the scan; ``topics`` are
+    all topics of mapped scans. They are empty if there are none.
     """
 
     pose: Pose
@@ -65,7 +65,7 @@ class Robot:
 
 @dataclass(frozen=True, slots=True)
 class MappedScans:
-    """Scans in a map: the first ``stop`` of a log, with one of its trajectories."""
+    """Scans in a map: the first ``stop`` scans of a log, with one of its trajectories."""
 
     log: ScanLog
     trajectory: str
@@ -75,7 +75,7 @@ class MappedScans:
 
 @dataclass(frozen=True, slots=True)
 class ExplainedMap:
-    """A map whose cells can be asked about: its layer, and the logs of the ``index`` scans in it."""
+    """A map whose cells can be explained: its layer, and the logs of the ``index`` scans in it."""
 
     layer: GridLayer
     grid: OccupancyGrid
@@ -88,7 +88,7 @@ class ExplainedMap:
 class StaticMap:
     """A map that does not change by itself.
 
-    ``keepout`` and ``speed`` (rows, cols) int8 are its masks of keepout zones and of speed limits, 0 … 100.
+    ``keepout`` and ``speed`` (rows, cols) int8 are its masks of keepout zones and of speed limits, 0 to 100.
     """
 
     grid: OccupancyGrid
@@ -98,11 +98,11 @@ class StaticMap:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A static map beside the source's own.
+    """A static map in addition to the source's own.
 
-    ``title`` completes "Which map: …". ``read`` returns it, and raises :class:`mapper.core.errors.ConfigError` where
-    there is none; ``version`` returns another object when there is another map. ``is_first`` says whether the poses
-    are in this map now, so that it is the one to begin with.
+    ``title`` completes "Which map: …". ``read`` returns the map, and raises :class:`mapper.core.errors.ConfigError` if
+    there is none. ``version`` returns another object when the map is another one. ``is_first`` says whether the current
+    poses are in this map, which makes it the initial choice.
     """
 
     title: str
@@ -113,9 +113,9 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class OtherMap:
-    """A map beside the source's own that changes.
+    """A changing map in addition to the source's own.
 
-    ``read`` returns another object when it has changed, None while there is none; ``title`` is as that of a plan.
+    ``read`` returns another object when the map has changed, None while there is none. ``title`` is like a plan's.
     """
 
     title: str
@@ -124,17 +124,16 @@ class OtherMap:
 
 @dataclass(slots=True)
 class Offers:
-    """What a source offers its parts, and what earlier parts offer later ones; what there is not is None or left out.
+    """What a source offers its parts, and earlier parts later ones. What is not available is None or left out.
 
-    ``grid`` returns the source's map, which ``map_title`` describes as the title of a plan does, and ``robot`` the
-    robot in it; ``drive`` drives the robot with velocities in m/s and rad/s. ``plans`` and ``maps`` are other maps by
-    name. ``costs`` are costs of a layer of a costmap by the layer's name: another object when they have changed, None
-    while there are none. ``costing`` has the costs that a path is planned on.
+    ``grid`` returns the source's map, described by ``map_title`` (like the title of a plan), and ``robot`` the robot in
+    it. ``drive`` drives the robot with velocities in m/s and rad/s. ``plans`` and ``maps`` are other maps by name.
+    ``costs`` are costs for a costmap layer by the layer's name: another object when they have changed, None while there
+    are none. ``costing`` has the costs on which a path is planned.
 
-    ``map`` is a map of the library, which is shown by itself.
-    ``explained`` returns the maps whose cells can be asked about, the one that is meant by default first.
-    ``recording`` is the log that is played, ``update_log`` replaces it by one with other trajectories. ``simulation``
-    is the simulated world with its robot.
+    ``map`` is a map of the library that is shown by itself. ``explained`` returns the maps whose cells can be
+    explained, the default first. ``recording`` is the log being played; ``update_log`` replaces it by one with other
+    trajectories. ``simulation`` is the simulated world with its robot.
     """
 
     host: ModelHost
@@ -156,16 +155,16 @@ class Offers:
 
 
 class Part:
-    """A capability of a session. Each method has a default, and runs on a worker thread unless stated otherwise."""
+    """A capability of a session. All methods have defaults, and run on a worker thread unless stated otherwise."""
 
-    commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` takes
+    commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` accepts
     recorded: ClassVar[tuple[type[Struct], ...]] = ()  #: those of them that :meth:`history` may return
-    subject: ClassVar[str] = "map"  #: what it computes, as in the message ``working``
-    #: Whether it has something to show or to follow. While it is off, only commands, :meth:`messages`, :meth:`history`
-    #: and :meth:`forget` reach it. Many are off most of the time.
+    subject: ClassVar[str] = "map"  #: what it computes, as in the ``working`` message
+    #: Whether it has anything to show or to follow. A part that is off, as many are most of the time, only receives
+    #: commands and calls of :meth:`messages`, :meth:`history` and :meth:`forget`.
     is_on: bool = True
-    followed: Costing | None = None  #: a part whose results it uses: while that is on, it is asked as if it were on
-    tables: Mapping[str, list[Parameter]] = {}  #: rows of its parameters, by the type of the command for them
+    followed: Costing | None = None  #: a part whose results it uses; while that part is on, this one is called too
+    tables: Mapping[str, list[Parameter]] = {}  #: rows of its parameters, by the type of the command that sets them
 
     @property
     def layers(self) -> Sequence[Layer]:
@@ -174,32 +173,32 @@ class Part:
 
     @property
     def cells(self) -> int:
-        """Cells of the grids that it holds, or numbers of 4 bytes (any thread)."""
+        """Number of cells of its grids, or of 4-byte values (any thread)."""
         return 0
 
     @property
     def progress(self) -> float | None:
-        """The share of its present computation that is done, 0 to 1; None while it computes nothing (any thread)."""
+        """Completed share of its current computation, 0 to 1; None while it computes nothing (any thread)."""
         return None
 
     @property
     def is_behind(self) -> bool:
-        """Whether it has not done yet what commands requested: the next tick goes on (event loop)."""
+        """Whether requested work is not done yet, so that the next tick continues (event loop)."""
         return False
 
     @property
     def answering(self) -> str:
-        """Subject of an answer that is being computed beside the ticks, "" for none (any thread)."""
+        """Subject of an answer that is computed outside the ticks, "" for none (any thread)."""
         return ""
 
     @property
     def hint(self) -> str:
-        """The effect of a click into the 3D view where the click is for this part, "" where it is not (event loop)."""
+        """Effect of a click in the 3D view if this part handles it, otherwise "" (event loop)."""
         return ""
 
     @property
     def logs(self) -> Sequence[ScanLog]:
-        """Logs that it holds beside the source's (any thread)."""
+        """Logs that it uses in addition to the source's (any thread)."""
         return ()
 
     @property
@@ -208,36 +207,36 @@ class Part:
         return False
 
     def run_deferred_work(self, result: TickResult) -> None:
-        """Do the deferred work, if there is some."""
+        """Do the deferred work, if any."""
 
     def messages(self) -> Sequence[Struct]:
         """Return the messages for a new client: the newest of each type."""
         return ()
 
     def history(self) -> Sequence[Struct]:
-        """Return the commands from which another session gets the same; none while it is off."""
+        """Return the commands that bring another session to the same state; none while it is off."""
         return ()
 
     def handle(self, command: Any, result: TickResult) -> None:  # noqa: ANN401 - one of the part's own commands
-        """Carry out one of :attr:`commands`. Raises as :meth:`server.sessions.model.SessionModel.handle`."""
+        """Carry out one of :attr:`commands`. Raises like :meth:`server.sessions.model.SessionModel.handle`."""
 
     def note(self, command: Struct, result: TickResult) -> None:
-        """Take note of a command that the source has carried out, such as another world."""
+        """Follow a command that the source has carried out, such as a change of the world."""
 
     def advance(self, seconds: float, result: TickResult) -> float:  # noqa: ARG002 - most parts do not drive
-        """Act before the time of a simulation passes; return after how many of the ``seconds`` to be called again."""
+        """Act before simulated time passes. Return after how many of the ``seconds`` to call this again."""
         return seconds
 
     def changed(self, result: TickResult) -> None:
-        """Follow what changed in the source in this tick: ``result`` has the cells of its map. Update the layers."""
+        """Follow the source's changes in this tick (``result`` has the changed map cells), and update the layers."""
 
     def forget(self) -> None:
-        """Read again what belongs to trajectories of the log: one of them was replaced."""
+        """Reload what depends on the log's trajectories, because one of them was replaced."""
 
     def over(self, flat: list[Drawing]) -> list[Drawing]:
-        """Return the source's drawings, without those that this part replaces (event loop, between two ticks)."""
+        """Return the source's drawings without those that this part replaces (event loop, between two ticks)."""
         return flat
 
     def drawings(self) -> list[Drawing]:
-        """Return what it shows in 3D (event loop, between two ticks)."""
+        """Return its drawings for the 3D view (event loop, between two ticks)."""
         return []

@@ -1,4 +1,4 @@
-"""Optional parts of a model: a recording, a comparison, costs. Routes check for these, not for a kind."""
+"""Optional parts of a model: a recording, a comparison, costs. Routes check for these, not for kinds of sessions."""
 
 from __future__ import annotations
 
@@ -57,15 +57,15 @@ class Recording(ABC):
     @property
     @abstractmethod
     def trajectory(self) -> str:
-        """The name of the trajectory in use."""
+        """The name of the current trajectory."""
 
     @abstractmethod
     def same_paths(self) -> Mapping[str, str]:
-        """Return for each trajectory whose path another one before it has the name of that one."""
+        """Return, for each trajectory with the same path as an earlier one, the name of the earlier one."""
 
     @abstractmethod
     def compared(self) -> tuple[str, str] | None:
-        """Return the reference and the estimate whose errors are told first; None for a log with one trajectory."""
+        """Return the reference and the estimate whose errors are shown first; None for a log with one trajectory."""
 
     @abstractmethod
     def first_config(self) -> MappingConfig:
@@ -73,46 +73,49 @@ class Recording(ABC):
 
     @abstractmethod
     def view(self) -> LogView:
-        """Return the present view: sensor, trajectory, parameters, scans in the map."""
+        """Return the current view: sensor, trajectory, parameters, scans in the map."""
 
     @abstractmethod
     async def growing_map(self) -> tuple[GrowingMap, str]:
-        """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
+        """Return the current map as a sequence of scans, and the name of its trajectory, between two ticks."""
 
     @abstractmethod
     def map_series(self) -> Series | float:
-        """Return what the scans do to the map with the present parameters and trajectory.
+        """Return the effect of the scans on the map with the current parameters and trajectory.
 
-        While it is computed, the share that is done, 0 to 1; the computation ends when nobody asks for it. Raises as
-        :func:`mapper.replay.map_series.map_series`.
+        While it is being computed, return the completed share, 0 to 1. The computation ends if it is no longer
+        requested. Raises like :func:`mapper.replay.map_series.map_series`.
         """
 
     @property
     @abstractmethod
     def examined_share(self) -> float | None:
-        """The share of the examination with the present trajectory that is done, 0 to 1; None before it has begun."""
+        """Completed share of the examination with the current trajectory, 0 to 1; None before it has started."""
 
     @property
     @abstractmethod
     def diagnosis(self) -> Diagnosis | None:
-        """The diagnosis with the present trajectory; None where the log was not examined, or is being so."""
+        """Diagnosis with the current trajectory; None unless an examination has finished without an error."""
 
     @abstractmethod
     async def examined(self) -> Diagnosis:
-        """Return the diagnosis of the log with the present trajectory.
+        """Return the diagnosis of the log with the current trajectory.
 
-        Raises as :func:`mapper.diagnosis.examine`.
+        Raises like :func:`mapper.diagnosis.examine`.
         """
 
 
 class Viewed(ABC):
-    """View of an upload in a session, for a link that opens the same."""
+    """View of an upload in a session, for a link that opens the same view."""
 
     log_id: str
 
     @abstractmethod
     def view(self) -> LogView:
-        """Return the present view. ``trajectory`` is the topic for recorded costmaps, ``index`` the number of one."""
+        """Return the current view.
+
+        For recorded costmaps, ``trajectory`` is the topic and ``index`` the number of the costmap.
+        """
 
 
 class Comparable(ABC):
@@ -128,7 +131,7 @@ class Comparable(ABC):
 
     @abstractmethod
     def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
-        """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""
+        """Return the maps A and B, to be read while the session is locked. Raises like :meth:`compared`."""
 
     @abstractmethod
     def description(self) -> Compared | None:
@@ -149,7 +152,7 @@ class Graphed(ABC):
     @property
     @abstractmethod
     def loops(self) -> ShownLoops | None:
-        """The loops that the 3D view shows, None while it shows none."""
+        """The loops shown in the 3D view, None if none are shown."""
 
     @abstractmethod
     async def public(self, source: GraphSource) -> PoseGraphAnswer:
@@ -169,31 +172,31 @@ class Graphed(ABC):
 
     @abstractmethod
     async def residuals(self, source: GraphSource) -> Series:
-        """Return by how much the poses miss the graph's measurements, over time."""
+        """Return the residuals of the graph's measurements over time."""
 
     @abstractmethod
     async def near(self, x: float, y: float, source: GraphSource) -> TriedNear:
-        """Return the loops that were tried near a place, map metres."""
+        """Return the loops that were tried near a place, given in map metres."""
 
     @abstractmethod
     async def candidate(self, candidate: int, source: GraphSource) -> TriedLoopScans:
-        """Return a loop that was tried with both of its scans."""
+        """Return a tried loop with both of its scans."""
 
     @abstractmethod
     async def change(self, change: GraphChange, source: GraphSource) -> PoseGraphAnswer:
-        """Change the graph and map along its poses; return as :meth:`public`."""
+        """Change the graph and map along its poses; return the same as :meth:`public`."""
 
     @abstractmethod
     async def files(self, source: GraphSource) -> tuple[str, bytes, bytes]:
-        """Return the name of the trajectory, its present poses as TUM lines, and the file of the present graph."""
+        """Return the name of the trajectory, its current poses as TUM lines, and the file of the current graph."""
 
 
 @dataclass(frozen=True, slots=True)
 class FilterHistory:
-    """How certain the poses of a localization in ``map`` are along the log, at some of its ``scans``.
+    """Uncertainty of a localization in ``map`` along the log, at some of its ``scans``.
 
-    ``deviation_m`` is that of the place, ``entropy`` bits, ``fit`` 0 to 1; ``first_converged`` is the first scan of all
-    at which the filter had converged.
+    ``deviation_m`` is that of the position, ``entropy`` is in bits, ``fit`` 0 to 1. ``first_converged`` is the first of
+    all scans at which the filter had converged.
     """
 
     map: MapAnswer
@@ -212,56 +215,56 @@ class Localized(ABC):
 
     @abstractmethod
     async def public(self, source: GraphSource) -> FilterHistory | None:
-        """Return how certain the poses are along the log, None where they come from no localization."""
+        """Return the uncertainty of the poses along the log, None if they do not come from localization."""
 
 
 class Volumetric(ABC):
-    """The map in 3D of a session."""
+    """The 3D map of a session."""
 
-    is_on: bool  #: whether there is one now
+    is_on: bool  #: whether there is one
 
     @property
     @abstractmethod
     def is_asked(self) -> bool:
-        """Whether a click in the 3D view asks about a voxel."""
+        """Whether a click in the 3D view explains a voxel."""
 
     @abstractmethod
     def question(self, origin: Point, direction: Point) -> Struct:
-        """Return the command that asks about the voxel that a line of sight meets."""
+        """Return the command that explains the voxel that a line of sight meets."""
 
     @abstractmethod
     def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
-        """Return where a line of sight meets what is drawn of the map, metres, and the side of the voxel that is there.
+        """Return where a line of sight meets what is drawn of the map, metres, and the side length of the voxel there.
 
-        The side is 0 where it is a measured point. None: it meets nothing.
+        The side is 0 for a measured point. Returns None if the line meets nothing.
         """
 
     @abstractmethod
     def clipped(self, handle: str, position: Point) -> Struct | None:
-        """Return the command that moves a face of the clip box with its handle to ``position``; None for no handle."""
+        """Return the command that moves a face of the clip box by its handle to ``position``; None for another name."""
 
     @abstractmethod
     def octree_bytes(self, kind: str) -> bytes:
-        """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
+        """Return the current map as a ``.bt`` or ``.ot`` file, to be read while the session is locked."""
 
     @abstractmethod
     def mesh_bytes(self, kind: str) -> bytes:
-        """Return the present surface, or the outside of the voxels, as a file ``.ply`` or ``.glb``.
+        """Return the current surface, or the outside of the voxels, as a ``.ply`` or ``.glb`` file.
 
-        Raises :class:`ConfigError` where there is none.
+        Raises :class:`ConfigError` if there is none.
         """
 
     @abstractmethod
     def selection_bytes(self) -> bytes:
-        """Return the points in the clip box as a file ``.ply``; of an octree the centres of its occupied voxels.
+        """Return the points in the clip box as a ``.ply`` file; for an octree, the centres of its occupied voxels.
 
-        Raises :class:`ConfigError` where there is none.
+        Raises :class:`ConfigError` if there is none.
         """
 
     @property
     @abstractmethod
     def above(self) -> OccupancyGrid | None:
-        """The map from above, of a band of heights; None where nothing is known there."""
+        """The map from above, of a band of heights; None if nothing is known there."""
 
 
 class DepthSensing(ABC):
@@ -271,26 +274,26 @@ class DepthSensing(ABC):
     def newest_depths(self) -> tuple[Float32Array, float] | None:
         """Return its newest image (rows, cols), metres ahead, 0 for no return, and its range, metres (any thread).
 
-        None without a depth camera, and before its first image.
+        Returns None without a depth camera and before its first image.
         """
 
 
 class EditedFiles(ABC):
-    """A map that is edited."""
+    """A map being edited."""
 
     @property
     @abstractmethod
     def geometry(self) -> GridGeometry:
-        """The geometry of the present map."""
+        """The geometry of the current map."""
 
     @abstractmethod
     async def files(self, stem: str) -> list[tuple[str, bytes]]:
-        """Return the files of the present map, by name: the image, its yaml, the keepout mask's, the edits."""
+        """Return the files of the current map by name: the image, its yaml, those of the keepout mask, the edits."""
 
 
 @dataclass(frozen=True, slots=True)
 class FootprintAnswer:
-    """The footprint of a robot: its corners in its frame, metres, and both radii of the padded one, metres."""
+    """The footprint of a robot: its corners in its frame, and both radii of the padded footprint, metres."""
 
     footprint: list[tuple[float, float]]
     inscribed_radius: float
@@ -298,42 +301,42 @@ class FootprintAnswer:
 
 
 class Costed(ABC):
-    """The costs of a session: a costmap over its map, or a recorded one. To be read while the session is locked."""
+    """The costs of a session: a costmap over its map, or a recorded one. Read only while the session is locked."""
 
     @abstractmethod
     def present_costs(self) -> RecordedCostmap | None:
-        """Return the present costs, in an array of their own; None where there are none."""
+        """Return a copy of the current costs; None if there are none."""
 
     @abstractmethod
     def present_footprint(self) -> FootprintAnswer | None:
-        """Return the robot's footprint, None where there is none."""
+        """Return the robot's footprint, None if there is none."""
 
     @abstractmethod
     def present_masks(self) -> dict[str, Int8Array]:
-        """Return the painted masks (rows, cols) on the costs' cells.
+        """Return the painted masks (rows, cols) on the cells of the costs.
 
-        ``keepout``, −1 for none, and ``speed``, 0 for none; none of them where nothing is painted.
+        They are ``keepout`` (−1: unpainted) and ``speed`` (0: unpainted). Empty if nothing is painted.
         """
 
 
 class LayerCosts(Protocol):
-    """Costs that another part, or an upload, has for a layer of a costmap, on cells of its own."""
+    """Costs of another part or an upload for a costmap layer, on their own cells."""
 
     @property
     def geometry(self) -> GridGeometry:
         """Geometry of the map."""
 
     def costs(self) -> UInt8Array:
-        """Return the costs (rows, cols): 254 where a robot must not be, 255 where that is unknown."""
+        """Return the costs (rows, cols): 254 where a robot must not be, 255 where unknown."""
 
     def why(self, row: int, col: int) -> str:
-        """Say in one sentence why a cell has its cost."""
+        """Return one sentence that explains the cost of a cell."""
 
 
 class Costs(Protocol):
-    """The costs of a costmap, on which a path is planned and followed."""
+    """The costs of a costmap, for planning and following a path."""
 
-    revision: int  #: another number when costs or parameters have changed
+    revision: int  #: changes with the costs and the parameters
 
     @property
     def geometry(self) -> GridGeometry:
@@ -341,7 +344,7 @@ class Costs(Protocol):
 
     @property
     def costs(self) -> UInt8Array:
-        """The costs (rows, cols), an array that the costmap goes on writing."""
+        """The costs (rows, cols), an array that the costmap keeps updating."""
 
     @property
     def planner(self) -> PlannerConfig:
@@ -353,20 +356,20 @@ class Costs(Protocol):
 
     @property
     def radius(self) -> float:
-        """Circumscribed radius of the robot with its padding, metres."""
+        """Circumscribed radius of the robot including its padding, metres."""
 
     @property
     def speed_filters(self) -> tuple[SpeedFilter, ...]:
         """The speed limits."""
 
     def speed_limit(self, pose: Pose) -> SpeedLimit | None:
-        """Return the speed limit of a robot at ``pose``; None where speed limits are off."""
+        """Return the speed limit for a robot at ``pose``; None if speed limits are off."""
 
 
 class Costing(Protocol):
     """A part with costs."""
 
-    is_on: bool  #: whether there are some
+    is_on: bool  #: whether there are any
 
     @property
     def costmap(self) -> Costs | None:
@@ -374,11 +377,11 @@ class Costing(Protocol):
 
 
 class UploadedCosts(LayerCosts, Protocol):
-    """Such costs of an upload."""
+    """Costs of an upload for a costmap layer."""
 
     @property
     def log_id(self) -> str:
-        """The upload."""
+        """Id of the upload."""
 
     def public(self) -> MapAnswer:
-        """Return what the HTTP interface shows."""
+        """Return the answer of the HTTP interface."""

@@ -1,7 +1,8 @@
-"""Stores checkpoints of logs in idle time, so that later seeks are fast.
+"""Compute checkpoints of logs in idle time, so that later seeks are fast.
 
-One log at a time in the whole service, on a separate thread, at most half of the time, and only while no session
-computes or has commands. A command to the session interrupts it; it resumes after :data:`QUIET_S` without commands.
+Only one log of the whole service is processed at a time, on a separate thread, for at most half of the time, and only
+while no session computes or has commands. A command to the session interrupts it; it resumes after :data:`QUIET_S`
+without commands.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ _log = structlog.get_logger(__name__)
 
 
 class Prefetchable(Protocol):
-    """The properties of a session that prefetching uses."""
+    """The interface of a session that prefetching uses."""
 
     closed: bool
     commanded_at: float
@@ -41,14 +42,14 @@ class Prefetchable(Protocol):
 
     @property
     def is_busy(self) -> bool:
-        """Whether the session computes or has queued commands."""
+        """Whether the session is computing or has queued commands."""
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return the prefetcher of missing checkpoints; None if none is missing."""
 
 
 class CheckpointPrefetching:
-    """Prefetches for the sessions that ``sessions`` returns, if ``is_room`` for another map of that size."""
+    """Task that prefetches for the sessions that ``sessions`` returns, if ``is_room`` for another map of that size."""
 
     def __init__(
         self,
@@ -76,7 +77,7 @@ class CheckpointPrefetching:
             began = self._clock()
             if not any(session.is_busy for session in self._sessions()):
                 prefetcher = prefetcher or session.prefetcher()
-                # Whether there is room is asked last: the answer takes a look at each session of the service.
+                # Checking for room comes last because it goes through all sessions of the service.
                 if prefetcher is None or not self._is_room(session) or not await self._step(session, prefetcher):
                     return
             await asyncio.sleep(max(PAUSE_S, self._clock() - began))

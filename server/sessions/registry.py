@@ -1,6 +1,6 @@
 """All live sessions of the service, within budgets of number, visitor, memory and idle time.
 
-The registry does not depend on the kind of session: it makes models by plans, and reads their footprint.
+The registry does not depend on the kind of session: it creates models from plans, and reads their memory use.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """Numbers of sessions, cells of their grids, and bytes of their logs; ``guests``: of those alone."""
+    """Numbers of sessions, cells of their grids, and bytes of their logs; ``guests`` is the part that guests use."""
 
     sessions: int = 0
     guests: int = 0
@@ -43,18 +43,18 @@ class Use:
 
 
 class OthersUse(Protocol):
-    """What the sessions of the other workers of a service use together."""
+    """Total use by the sessions of the service's other workers."""
 
     def others(self) -> Use:
-        """Return it."""
+        """Return the total."""
 
     def state(self, own: Use) -> None:
-        """State what the sessions of this worker use."""
+        """Publish what the sessions of this worker use."""
 
 
 REAP_EVERY_S = 5.0
-STATE_EVERY_S = 1.0  #: between two statements to the other workers of what is used
-ENDING_S = 1.0  #: the longest that anybody waits for the last computation of a session that ends
+STATE_EVERY_S = 1.0  #: interval of publishing the use to the other workers
+ENDING_S = 1.0  #: longest wait for the last computation of a session that ends
 THREADS_OF_SESSION = 4  #: at most: its tick, its second map, and HTTP requests
 
 _log = structlog.get_logger(__name__)
@@ -67,15 +67,15 @@ def _host_class() -> type[SessionHost]:
 
 
 class SessionBudgetError(MapperError):
-    """There is no room for another session now."""
+    """There is currently no room for another session."""
 
 
 class SessionNotFoundError(MapperError):
-    """There is no session of that id; it may have ended."""
+    """There is no session with that id; it may have ended."""
 
 
 class RegistrySettings(Protocol):
-    """The part of :class:`server.settings.Settings` that the registry reads."""
+    """The part of :class:`server.settings.Settings` that the registry uses."""
 
     max_sessions: int
     max_sessions_per_visitor: int
@@ -88,9 +88,9 @@ class RegistrySettings(Protocol):
 
 
 class SessionRegistry:
-    """Creates, finds and ends sessions. Used from the event loop only.
+    """Registry that creates, finds and ends sessions. Used from the event loop only.
 
-    Call :meth:`start` before and :meth:`shutdown` after use.
+    Call :meth:`start` before use and :meth:`shutdown` afterwards.
     """
 
     def __init__(
@@ -101,20 +101,19 @@ class SessionRegistry:
         traffic: Traffic | None = None,
         elsewhere: OthersUse | None = None,
     ) -> None:
-        """``elsewhere`` is what the other workers of the service use of the same budgets; None: there are none."""
+        """Create a registry. ``elsewhere`` is the other workers' use of the same budgets; None without workers."""
         self._settings = settings
         self._elsewhere = elsewhere
         self._clock = clock
         self._remake_seconds = remake_seconds
         self._traffic = traffic or Traffic()
         self._sessions: dict[str, SessionHost] = {}
-        self._making: list[
-            tuple[str, str | None]
-        ] = []  #: owner and link of sessions that are being created, which count
+        self._making: list[tuple[str, str | None]] = []  #: owner and link of sessions being created, which count
         self._tasks: list[asyncio.Task[None]] = []
-        self._ending: set[asyncio.Task[None]] = set()  #: sessions that have ended and may still compute
-        self._have_ended = False  #: whether sessions have ended whose memory was not given back
-        #: More threads than compute at one time: a thread whose turn is over waits for the scheduler.
+        self._ending: set[asyncio.Task[None]] = set()  #: sessions that have ended and may still be computing
+        self._have_ended = False  #: whether sessions have ended whose memory was not freed yet
+        #: There are more threads than run at one time, because a thread whose time slice is over waits for the
+        #: scheduler.
         self.pool = ThreadPoolExecutor(THREADS_OF_SESSION * settings.max_sessions, thread_name_prefix="session")
         self._scheduler = Scheduler(settings.threads)
         self.under_way = UnderWay()
@@ -138,7 +137,7 @@ class SessionRegistry:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         self.under_way.end()
-        # Concurrently: closing a session waits for its computation to be scheduled.
+        # Concurrent, because closing a session waits until its computation is scheduled.
         await asyncio.gather(*(self._end(session) for session in self.all()))
         await asyncio.gather(*self._ending)
         await asyncio.to_thread(self.pool.shutdown, cancel_futures=True)
@@ -167,7 +166,7 @@ class SessionRegistry:
         address: str = "",
         place: str = "",
     ) -> SessionHost:
-        """Begin the session that a visitor requested. Raises as the kind's plan and :meth:`begin`."""
+        """Create the session that a visitor requested. Raises like the kind's plan and :meth:`begin`."""
         with self.under_way.making(visitor, request.name) as making:
             plan = await kind.plan(request, Resources(visitor, library, self._settings.max_story_s, making))
             return await self._begin(plan, visitor, making, address=address, place=place)
@@ -182,13 +181,12 @@ class SessionRegistry:
         place: str = "",
         places: int | None = None,
     ) -> SessionHost:
-        """Begin a session for a visitor; ``link`` is the link that a guest followed.
+        """Start a session for a visitor. ``link`` is the link that a guest followed.
 
-        ``places`` is the most sessions of that link; None: as many as of one visitor.
-
-        ``address`` is the visitor's network address, ``place`` what a reverse proxy chose this service by. While the
-        model is made, :attr:`under_way` has its progress;
-        cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
+        ``places`` is the maximum number of sessions of that link; None: the same as for one visitor. ``address`` is the
+        visitor's network address, ``place`` the part of the id by which a reverse proxy finds this service. While the
+        model is being created, :attr:`under_way` has its progress; cancelling ends it. Raises
+        :class:`SessionBudgetError`, and like the plan's ``make``.
         """
         with self.under_way.making(owner, plan.name) as making:
             return await self._begin(plan, owner, making, link=link, address=address, place=place, places=places)
@@ -240,7 +238,7 @@ class SessionRegistry:
             await self._end(session)
 
     async def _end(self, session: SessionHost) -> None:
-        """End a session. A computation ends at its next check, but a kernel that is being compiled does not."""
+        """End a session. Its computation ends at its next check, unless a kernel is being compiled."""
         self._sessions.pop(session.id, None)
         ending = asyncio.create_task(self._close(session), name="session ending")
         self._ending.add(ending)
@@ -254,7 +252,7 @@ class SessionRegistry:
         _log.info("session ended", kind=session.model.kind, sessions=len(self._sessions))
 
     def limits(self, session: SessionHost | None) -> Limits:
-        """Return the limits of the grid of ``session`` (None: of a new one), given the cells of the others."""
+        """Return the limits of the grid of ``session`` (None: a new one), given the cells of the other sessions."""
         owner = None if session is None else session.owner
         return self._limits(session, guest=session is not None and session.link is not None, owner=owner)
 
@@ -270,7 +268,7 @@ class SessionRegistry:
         return replace(DEFAULT_LIMITS, max_cells=max(min(self._settings.max_cells, room), 1))
 
     def _others(self) -> Use:
-        """Return what the other workers use."""
+        """Return the use by the other workers."""
         return Use() if self._elsewhere is None else self._elsewhere.others()
 
     def _state_use(self) -> None:
@@ -292,7 +290,7 @@ class SessionRegistry:
     async def _reserved(self, owner: str, link: str | None = None, places: int | None = None) -> AsyncIterator[None]:
         """Reserve room while a session is created on a worker thread; end an idle session if there is none.
 
-        Guests of links end only sessions of guests, and have at most half of the number of sessions.
+        Guests of links only end sessions of guests, and have at most half of all sessions.
         """
         place = (owner, link)
         self._making.append(place)
@@ -322,7 +320,7 @@ class SessionRegistry:
         return [session for session in self._sessions.values() if session.link is not None]
 
     async def _make_room_for_guest(self, link: str, places: int) -> None:
-        """Make room for one more session of a link, which may have ``places``."""
+        """Make room for one more session of a link, which may have ``places`` sessions."""
         same = [s for s in self._guests() if s.link == link]
         if len(same) + sum(link_ == link for _, link_ in self._making) > places:
             message = "This link is in use by as many people as it allows."
@@ -336,7 +334,8 @@ class SessionRegistry:
     async def _free_cells(self, *, guest: bool, owner: str) -> None:
         """End idle sessions until there is room for a grid of the largest size.
 
-        The visitor's own sessions are ended first: if their share is used up, ending others makes no room.
+        The visitor's own sessions are ended first, because ending others makes no room if the visitor's share is used
+        up.
         """
         for whose in (owner, None):
             while self._limits(None, guest=guest, owner=whose).max_cells < self._settings.max_cells:
@@ -349,8 +348,8 @@ class SessionRegistry:
     async def free_bytes(self, log: ScanLog, owner: str, *, guest: bool = False) -> None:
         """End idle log sessions, for a ``guest`` only those of guests, until there is room for ``log``.
 
-        One visitor's logs have at most half of the memory, but at least one log of the largest size. Raises
-        :class:`SessionBudgetError` if there is no room now, and :class:`LimitError` if there never is.
+        The logs of one visitor may use at most half of the memory, but at least one log of the largest size. Raises
+        :class:`SessionBudgetError` if there is currently no room, and :class:`LimitError` if there never is.
         """
         room = self._settings.max_log_bytes - log.ranges.nbytes
         if room < 0:
@@ -364,10 +363,10 @@ class SessionRegistry:
     async def _free_bytes(
         self, log: ScanLog, room: int, message: str, *, guest: bool, owner: str | None = None
     ) -> None:
-        """End sessions until the others' logs (those of ``owner``'s sessions) take no more than ``room`` bytes."""
+        """End sessions until the logs of the others (of those of ``owner``) use at most ``room`` bytes."""
         while True:
             logs = [s for s in self._sessions.values() if s.model.footprint.logs and owner in (s.owner, None)]
-            # Sessions of one log share its readings.
+            # Sessions of one log share its data.
             held = {
                 s: {
                     id(log_.ranges): log_.ranges.nbytes
@@ -394,7 +393,7 @@ class SessionRegistry:
         while True:
             await asyncio.sleep(REAP_EVERY_S)
             await self.reap()
-            if self._have_ended:  # models refer to themselves: reference counts alone do not free them
+            if self._have_ended:  # models contain reference cycles, which only the garbage collector frees
                 self._have_ended = False
                 await asyncio.to_thread(give_back, is_idle=not self.all())
 

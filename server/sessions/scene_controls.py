@@ -18,7 +18,7 @@ Heights = tuple[float, float]  #: z_min, z_max in metres
 class ParameterTable:
     """A table of parameters, their values, and the command that sets some of them by ``values={name: value}``.
 
-    ``title`` names the tab; ``open_groups`` are the groups of rows that are open at first.
+    ``title`` names the tab; ``open_groups`` are the groups of rows that are initially open.
     """
 
     title: str
@@ -30,7 +30,7 @@ class ParameterTable:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A choice of one of several names, and the command that sets it by ``name=name``."""
+    """A choice between names, and the command that sets it by ``name=name``."""
 
     label: str
     names: tuple[str, ...]
@@ -40,7 +40,7 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """From where a robot or its sensor looks, map metres, and in which direction, a unit vector."""
+    """Position of a robot or its sensor, map metres, and its viewing direction, a unit vector."""
 
     place: tuple[float, float, float]
     ahead: tuple[float, float, float]
@@ -50,11 +50,11 @@ class Sight:
 class SceneControls:
     """The controls of the panel.
 
-    ``hint`` describes the effect of a click into the scene, "" for none. Titles of ``tables`` and labels of ``choices``
+    ``hint`` describes the effect of a click in the scene, "" for none. Titles of ``tables`` and labels of ``choices``
     do not change during a session. ``count`` is the number of scans that "seek" can reach, None if the session cannot
-    seek; ``index`` is how many of them are in the map. ``bounds`` is what the initial camera shows, None for 20 m
-    around the origin; ``heights`` are its least and greatest z. ``sight`` is what cameras follow that move with the
-    robot, None where there is none.
+    seek; ``index`` is the number of scans in the map. ``bounds`` is the area that the initial camera shows, None for 20
+    m around the origin; ``heights`` are its least and greatest z. ``sight`` is what moving cameras follow, None if
+    there is nothing to follow.
     """
 
     playing: bool

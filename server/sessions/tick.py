@@ -1,4 +1,4 @@
-"""The commands that wait for a session's next tick, which of them replace its map, and the result of a tick."""
+"""The commands that wait for a session's next tick, those that replace its map, and the result of a tick."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 
 MAX_QUEUED = 256  #: most commands in the queue of a session,
-MAX_QUEUED_OF_FOLLOWERS = 64  #: and of a class's followers besides
-#: After this time without a finished map, commands no longer cancel the computation: a map must be shown.
+MAX_QUEUED_OF_FOLLOWERS = 64  #: and additionally of a class's followers
+#: After this time without a finished map, commands no longer cancel the computation, so that a map is shown.
 MAX_CANCELLING_S = 1.5
 
 
@@ -38,11 +38,11 @@ class QueuedCommand:
 
 
 class CommandQueue:
-    """The commands that are not carried out yet, first come, first served. Used from the event loop only."""
+    """The pending commands, first come, first served. Used from the event loop only."""
 
     def __init__(self) -> None:
         self._waiting: list[QueuedCommand] = []
-        self._of_followers = 0  #: how many of them a class's followers sent
+        self._of_followers = 0  #: number of them sent by a class's followers
         self._added = 0
         self._is_closed = False
         self._shortened = asyncio.Event()
@@ -53,7 +53,8 @@ class CommandQueue:
     def add(self, command: Struct, client: Client | None = None) -> None:
         """Add a command of ``client``. Raises :class:`ProtocolError` if it has too many in the queue."""
         follows = client is not None and client.follows
-        # Those of a class's followers are counted apart: their questions must not have the lecturer's commands refused.
+        # A class's followers are counted separately, so that their questions never cause the lecturer's commands to be
+        # refused.
         queued = self._of_followers if follows else len(self._waiting) - self._of_followers
         if queued >= (MAX_QUEUED_OF_FOLLOWERS if follows else MAX_QUEUED):
             raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
@@ -62,17 +63,17 @@ class CommandQueue:
         self._added += 1
 
     def waiting(self) -> list[QueuedCommand]:
-        """Return the commands that wait, oldest first."""
+        """Return the pending commands, oldest first."""
         return [*self._waiting]
 
     def finish(self, n: int, rest: Sequence[QueuedCommand]) -> None:
-        """Note that the first ``n`` commands were carried out, except for ``rest``."""
+        """Record that the first ``n`` commands were carried out, except for ``rest``."""
         self._waiting[:n] = rest
         self._of_followers = sum(queued.client is not None and queued.client.follows for queued in self._waiting)
         self._notify()
 
     def close(self) -> None:
-        """Note that no command will be carried out any more."""
+        """Record that no more commands will be carried out."""
         self._is_closed = True
         self._notify()
 
@@ -81,42 +82,42 @@ class CommandQueue:
         self._shortened = asyncio.Event()
 
     async def carried_out(self) -> None:
-        """Wait until the commands that are in the queue now have been carried out, or the queue is closed."""
+        """Wait until the currently queued commands have been carried out, or the queue is closed."""
         last = self._added
         while self._added - len(self._waiting) < last and not self._is_closed:
             await self._shortened.wait()
 
 
 class ReplacingRequests:
-    """The commands that replace the map: queued, begun, finished. Fields are set on the event loop, read anywhere."""
+    """The state of commands that replace the map. Fields are set on the event loop and read on any thread."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
         self._is_cancellable = False  #: whether the current computation may be cancelled
-        self._is_outdatable = False  #: and also by a newer command that replaces the map
-        self._is_cancelled = False  #: whether a client asked to end it
-        self._queued = self._begun = 0  #: how many were queued, and how many of them were started
-        self._since: float | None = None  #: arrival of the first of those without a finished map
+        self._is_outdatable = False  #: whether a newer command that replaces the map may cancel it too
+        self._is_cancelled = False  #: whether a client asked to cancel it
+        self._queued = self._begun = 0  #: number of queued commands, and of those that were started
+        self._since: float | None = None  #: arrival of the first one without a finished map
 
     def add(self) -> None:
-        """Note that one was queued."""
+        """Record that one was queued."""
         self._queued += 1
         self._since = self._clock() if self._since is None else self._since
 
     def cancel(self) -> None:
-        """Note that a client asked to end the current computation."""
+        """Record that a client asked to cancel the current computation."""
         self._is_cancelled = True
 
     def begin_tick(self) -> None:
-        """Note that a computation begins of all that were queued."""
+        """Record the start of a computation for all queued commands."""
         self._begun = self._queued
 
     def accept_cancel(self) -> None:
-        """Note that a ``cancel`` that came before concerns what was computed before."""
+        """Ignore an earlier ``cancel``, which concerned earlier computations."""
         self._is_cancelled = False
 
     def end_tick(self, *, was_cancelled: bool) -> None:
-        """Note that the computation has ended."""
+        """Record that the computation has ended."""
         if self._queued == self._begun:
             self._since = None
         elif not was_cancelled:
@@ -124,7 +125,7 @@ class ReplacingRequests:
 
     @contextmanager
     def cancellable(self, *, by_newer: bool = True) -> Iterator[None]:
-        """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
+        """Return a context in which ``cancel`` or a newer command cancels the computation (worker thread)."""
         self._is_cancellable, self._is_outdatable = True, by_newer
         try:
             yield
@@ -146,25 +147,25 @@ class ReplacingRequests:
 class TickResult:
     """Collected on a worker thread, sent on the event loop."""
 
-    client: Client | None = None  #: the sender of the command that is being carried out
+    client: Client | None = None  #: the sender of the current command
     rest: list[QueuedCommand] = field(default_factory=list)  #: commands left for the next tick
     unfinished: Struct | None = None  #: the rest of a long command, for the next tick
     changed: bool = False  #: whether there is a new frame to publish
-    is_new_hello: bool = False  #: whether ``hello`` says something else than before
+    is_new_hello: bool = False  #: whether ``hello`` has changed
     new_grid: bool = False  #: whether the whole layer of the map has to be updated
     box: CellBox | None = None  #: otherwise: the cells of the map that may have changed
-    #: Those that may have changed in it, of each update ``row · cols + col``; None: any of the box.
+    #: Cells that may have changed in the box, for each update ``row · cols + col``; None: any cell of the box.
     cells: list[NDArray[np.uint32]] | None = field(default_factory=list)
-    cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick
+    cancelled: bool = False  #: whether a newer command cancelled the map, which the next tick computes
     remade_ms: float | None = None  #: duration of recomputing the whole map
-    slots: dict[str, Struct] = field(default_factory=dict)  #: newest message of each type, to all clients
-    notices: list[NoticeMessage | ErrorMessage] = field(default_factory=list)  #: each sent to all clients
+    slots: dict[str, Struct] = field(default_factory=dict)  #: newest message of each type, for all clients
+    notices: list[NoticeMessage | ErrorMessage] = field(default_factory=list)  #: each is sent to all clients
     answers: list[tuple[Client | None, Struct]] = field(default_factory=list)
     resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients that get a slot's message again
-    questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end
+    questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the end of the tick
 
     def add(self, change: Change) -> None:
-        """Add what an update of the map changed."""
+        """Add the changes of a map update."""
         self.changed = True
         self.new_grid = self.new_grid or change.geometry_changed
         if change.box is not None:
@@ -175,7 +176,7 @@ class TickResult:
                 self.cells.append(change.cells)
 
     def slot(self, *messages: Struct) -> None:
-        """Send messages to all clients, unless a newer one of its type replaces it first."""
+        """Send messages to all clients; a newer message of the same type replaces an unsent one."""
         for message in messages:
             self.slots[type_of(message)] = message
 
@@ -184,7 +185,7 @@ class TickResult:
         self.notices.append(NoticeMessage(code, message))
 
     def answer(self, message: Struct) -> None:
-        """Send ``message`` to the sender of the present command."""
+        """Send ``message`` to the sender of the current command."""
         self.answers.append((self.client, message))
 
     def refuse(self, client: Client | None, error: ProtocolError | MapperError) -> None:

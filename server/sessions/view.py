@@ -14,9 +14,11 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class LogView:
-    """The view of a log, from which another session can show the same: sensor and trajectory (None: the default),
-    values of the parameters, number of scans in the map, and how scans are cut out of clouds and depth images, values
-    of :data:`mapper.sensors.planar.options.PARAMETERS`.
+    """The view of a log, which another session can reproduce.
+
+    It consists of the sensor and the trajectory (None: the default), the parameter values, the number of scans in the
+    map, and the options for cutting scans out of clouds and depth images, values of
+    :data:`mapper.sensors.planar.options.PARAMETERS`.
     """
 
     topic: str | None = None
@@ -27,13 +29,13 @@ class LogView:
 
     @property
     def planar_cut(self) -> PlanarCut:
-        """Options of the scans cut out of clouds and depth images. Raises :class:`mapper.core.errors.ConfigError`."""
+        """Options for cutting scans out of clouds and depth images. Raises :class:`mapper.core.errors.ConfigError`."""
         return PlanarCut.of(self.cut or {})
 
 
 @dataclass(frozen=True, slots=True)
 class MapRequest:
-    """A requested map to compare with: that of ``log`` (None: the session's own) and the poses of ``trajectory``.
+    """A requested map to compare with: the map of ``log`` (None: the session's own) along the poses of ``trajectory``.
 
     ``values`` are the parameters set for that map; all others are the session's.
     """
@@ -48,10 +50,10 @@ class MapRequest:
 
 @dataclass(frozen=True, slots=True)
 class GraphChange:
-    """A change of a pose graph by hand; what is None stays.
+    """A manual change of a pose graph; fields that are None change nothing.
 
-    ``remove``, ``lock`` and ``unlock`` are numbers of loops, ``add`` two scans to be joined by a loop; ``robust`` and
-    ``robust_scale`` say how the graph is solved. With ``reset`` it is as SLAM left it.
+    ``remove``, ``lock`` and ``unlock`` are numbers of loops, ``add`` two scans to be joined by a loop. ``robust`` and
+    ``robust_scale`` select how the graph is solved. ``reset`` restores the result of SLAM.
     """
 
     remove: int | None = None
@@ -69,7 +71,7 @@ class RobotState:
 
     ``pose`` is T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` is T_map_laser at the scan. None of them
     includes the mount correction of the parameters, which is composed onto them in the map. ``believed_*`` are the
-    robot's estimates of them, None if the estimate is exact.
+    robot's estimates of them, None if they are exact.
     """
 
     pose: Pose
@@ -83,14 +85,14 @@ class RobotState:
 
 @dataclass(slots=True)
 class Playback:
-    """Whether a session plays; ``speed`` is seconds of its time per second, within ``speeds``."""
+    """Whether a session plays. ``speed`` is session time per second of real time, within ``speeds``."""
 
     playing: bool = True
     speed: float = 1.0
     speeds: tuple[float, float] = (0.25, 8.0)  #: the least and the greatest speed
 
     def set_speed(self, speed: float) -> None:
-        """Set the speed. Raises :class:`ProtocolError` for one outside ``speeds``."""
+        """Set the speed. Raises :class:`ProtocolError` if it is outside ``speeds``."""
         low, high = self.speeds
         if not low <= speed <= high:
             raise ProtocolError("command.value", f"The speed must be between {low:g} and {high:g}.")

@@ -1,4 +1,4 @@
-"""The kinds of sessions: what each shows and computes, and the request and the plan of each."""
+"""The kinds of sessions: the content and computation of each, its request and its plan."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from server.sources.log_kind import LOG, costmaps_plan, log_plan
 from server.sources.simulation_kind import SIMULATION
 from server.sources.volume_kind import VOLUME, volume_plan
 
-#: By the name in ``POST /api/sessions`` and in the message ``hello``.
+#: By the name in ``POST /api/sessions`` and in the ``hello`` message.
 KINDS: Mapping[str, Kind] = MappingProxyType({"simulation": SIMULATION, "log": LOG, "volume": VOLUME})
 
 

@@ -1,4 +1,4 @@
-"""The model of a session that shows recorded costmaps: it plays them."""
+"""The model of a session that plays recorded costmaps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mapper.core.array_types import Int8Array
     from mapper.io.costmaps import CostmapStream, RecordedCostmap
 
-LOWEST, HIGHEST = 0.0, 254.0  #: of a cell's cost: 254 steps, so that each cost has a byte of its own
+LOWEST, HIGHEST = 0.0, 254.0  #: of a cell's cost: 254 steps, so that each cost is one byte value
 
 
 class CostmapsModel(SessionModel, Costed, Viewed):
@@ -37,7 +37,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
     def __init__(
         self, streams: Mapping[str, CostmapStream], *, log_id: str, title: str, topic: str | None = None, index: int = 1
     ) -> None:
-        """Show the costmaps of ``topic``, else of the topic with most of them, from number ``index`` on."""
+        """Show the costmaps of ``topic``, by default the topic with most of them, starting with number ``index``."""
         self._streams = dict(streams)
         self.log_id, self._title = log_id, title
         self._layer = GridLayer("map", "Costmap", "recorded_costs")
@@ -76,12 +76,12 @@ class CostmapsModel(SessionModel, Costed, Viewed):
 
     @property
     def frame_id(self) -> str | None:
-        """The frame of the present costmap."""
+        """The frame of the current costmap."""
         return self._now.frame or None
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of the greatest costmap, and bytes of all as cells."""
+        """Cells of the largest costmap, and the bytes of all as cells."""
         costmaps = [costmap for stream in self._streams.values() for costmap in stream.kept]
         return Footprint(
             max(costmap.geometry.rows * costmap.geometry.cols for costmap in costmaps)
@@ -89,12 +89,12 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         )
 
     def view(self) -> LogView:
-        """Return the topic and the number of the costmap that is shown."""
+        """Return the topic and the number of the current costmap."""
         return LogView(trajectory=self._topic, index=self._index)
 
     @property
     def progress(self) -> tuple[int, int]:
-        """The number of the costmap that is shown, and how many there are."""
+        """Number of the current costmap, and their total number."""
         return (self._index, len(self._times))
 
     def complete(self, hello: Hello) -> None:
@@ -118,7 +118,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         )
 
     def messages(self) -> list[Struct]:
-        """Return when each costmap was recorded, with the middle of its window."""
+        """Return the recording time of each costmap, with the middle of its window."""
         middles = [
             geometry.cell_to_world(((geometry.rows - 1) / 2, (geometry.cols - 1) / 2)).round(3).tolist()
             for geometry in self._streams[self._topic].geometries
@@ -134,7 +134,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         ]
 
     def complete_frame(self, frame: FrameMessage) -> None:
-        """Set the time of the present costmap."""
+        """Set the time of the current costmap."""
         frame.stamp = round(float(self._times[self._index - 1]), 3)
 
     def scan(self) -> ScanFields:
@@ -142,14 +142,14 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         return NO_READINGS
 
     def present_costs(self) -> RecordedCostmap:
-        """Return the present costmap."""
+        """Return the current costmap."""
         return self._now
 
     def present_footprint(self) -> None:
-        """Return None: the messages of a recording do not say the footprint."""
+        """Return None, because recorded messages do not contain the footprint."""
 
     def present_masks(self) -> dict[str, Int8Array]:
-        """Return none: in a recording nothing is painted."""
+        """Return an empty dict, because nothing is painted in a recording."""
         return {}
 
     # -- computing ------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The recorded history of a simulation, as requests, answers and puzzles have it."""
+"""The recorded history of a simulation in the form used by requests, answers and puzzles."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from server.sessions.kind import GivenValues
 from server.stream.commands import AutoCommand, DriveCommand, EditCommand, SensorCommand, TeleportCommand
 from server.stream.protocol import ProtocolError, fields_of, type_of
 
-MAX_JOURNAL = 1000  #: most actions in a history
+MAX_JOURNAL = 1000  #: maximum number of actions in a history
 
 Action: TypeAlias = TeleportCommand | DriveCommand | AutoCommand | SensorCommand | EditCommand
 """A command that moves the robot, its sensor or its world."""
 
 
 def _recorded(fields: object) -> Struct:
-    """Return a recorded command. Raises :class:`ConfigError` for what is none."""
+    """Return a recorded command. Raises :class:`ConfigError` for anything else."""
     if isinstance(fields, Struct):
         return fields
     try:
@@ -31,7 +31,7 @@ def _recorded(fields: object) -> Struct:
 
 
 def _action(fields: object) -> Action:
-    """Return a recorded action. Raises :class:`ConfigError` for what is none."""
+    """Return a recorded action. Raises :class:`ConfigError` for anything else."""
     command = _recorded(fields)
     if not isinstance(command, Action):
         raise ConfigError("story.action", f"A story cannot contain the action {type_of(command)!r:.80}.")
@@ -42,14 +42,14 @@ _AS_JSON = (PlainSerializer(fields_of), WithJsonSchema({"type": "object", "addit
 
 
 class WorldEdits(BaseModel):
-    """Edits of a world, as the command ``edit`` has them."""
+    """Edits of a world, as in the ``edit`` command."""
 
     added: Annotated[list[list[str | int]], Field(description="Walls and boxes that were drawn.")] = []
     erased: Annotated[list[int], Field(description="Indices of the built solids that were erased.")] = []
 
 
 class History(BaseModel, extra="ignore"):
-    """The history of a simulation: with its world and seed enough to reproduce its recording and its map."""
+    """The history of a simulation. Its world, seed and history reproduce its recording and its map."""
 
     sensor: Annotated[GivenValues, Field(description="Initial values of the simulated sensor.")] = {}
     edits: Annotated[WorldEdits, Field(description="Initial edits of the world.")] = WorldEdits()
@@ -81,12 +81,12 @@ class _Beginning(BaseModel):
 
 
 class SimulationHistory(History, _Beginning):
-    """The history of a simulation, and the world and the seed that it begins with."""
+    """The history of a simulation, with its initial world and seed."""
 
 
 class Replayable(ABC):
-    """A session whose history is recorded, from which it can be reproduced."""
+    """A session with a recorded history from which it can be reproduced."""
 
     @abstractmethod
     async def present_history(self) -> SimulationHistory:
-        """Return the history, between two ticks, of all that was asked of the session before."""
+        """Return the history, between two ticks, of all earlier requests to the session."""

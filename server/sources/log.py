@@ -1,4 +1,4 @@
-"""The model of a log session: it plays the log and maps its scans."""
+"""The model of a log session. It plays the log and maps its scans."""
 
 from __future__ import annotations
 
@@ -57,20 +57,20 @@ from server.stream.messages import Trajectory as TrajectoryMessage
 from server.stream.protocol import ProtocolError, type_of
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
-MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
+MAX_GAP_S = 2.0  #: longer gaps between two scans are shortened to this
 DEFAULT_GAP_S = 0.1  #: between two scans if all stamps are equal
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
-SHOWN_EVERY_S = 0.25  #: a seek that takes longer shows the map on the way, at this interval,
-LEAST_SLICE_S = 0.1  #: but not before so much processor time, of a thread, that showing it is a small part of the work
+SHOWN_EVERY_S = 0.25  #: interval at which a longer seek shows the map in between,
+LEAST_SLICE_S = 0.1  #: but not before this much processor time of a thread, so that showing it costs little
 
 
 def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return when each scan is due (n,), in seconds of play from the first, never decreasing.
+    """Return when each scan is due (n,), in seconds of playback since the first, never decreasing.
 
-    Stamps may step back, be missing or jump by years. A step back takes no time, a pause at most :data:`MAX_GAP_S`; a
-    log whose stamps never increase plays at :data:`DEFAULT_GAP_S` for each scan.
+    Stamps may decrease, be missing or jump by years. A decrease takes no time, a gap at most :data:`MAX_GAP_S`; a log
+    whose stamps never increase plays at :data:`DEFAULT_GAP_S` per scan.
     """
-    # Differences in floats: those of extreme stamps do not fit into 64 bits.
+    # Differences as floats, because those of extreme stamps do not fit into 64 bits.
     gaps = np.diff(stamps_ns.astype(np.float64)) * 1e-9
     gaps = np.clip(gaps, 0.0, MAX_GAP_S)
     if not gaps.any():
@@ -79,13 +79,13 @@ def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def slice_is_over() -> Callable[[], bool]:
-    """Return a function that returns whether this thread has worked so long since that the map should be shown."""
+    """Return a function that tells whether this thread has worked for so long that the map should be shown."""
     began, used = time.monotonic(), time.thread_time()
     return lambda: time.monotonic() - began > SHOWN_EVERY_S and time.thread_time() - used > LEAST_SLICE_S
 
 
 def _playback(times: NDArray[np.float64]) -> Playback:
-    """Return the clock of a log whose scans are due at ``times``: it plays them in about :data:`FILL_S`."""
+    """Return the playback of a log whose scans are due at ``times``, with a duration of about :data:`FILL_S`."""
     duration = float(times[-1])
     speeds = (0.1, max(100.0, duration / 5.0))
     return Playback(speed=float(np.clip(float(f"{duration / FILL_S:.2g}"), *speeds)), speeds=speeds)
@@ -116,15 +116,15 @@ class LogModel(SessionModel):
         title: str = "",
         first: MappingConfig | None = None,
     ) -> None:
-        """The map is brought to the scans of ``view``, and the log is paused there. ``first``: see the recording."""
+        """Map the log up to the scans of ``view``, and pause there. For ``first``, see :class:`LogRecording`."""
         self._times = play_times(replay.log.stamps_ns)
         super().__init__(_playback(self._times))
         replay.may_continue = host.may_continue
         self._host = host
         self._title = title or replay.log.name
-        self._time = 0.0  #: seconds of play
+        self._time = 0.0  #: seconds of playback
         self._target = 0  #: the index that commands requested
-        self._left_at = 0  #: the index at which the map was before it was requested
+        self._left_at = 0  #: index of the map before the request
         self.recording = self.source = LogRecording(host, replay, log_id, view, first)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
@@ -152,7 +152,7 @@ class LogModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, and those of the parts."""
+        """The map, and the layers of the parts."""
         of_parts = (layer for part in self.parts_on for layer in part.layers)
         return (self._map, *of_parts)
 
@@ -168,7 +168,7 @@ class LogModel(SessionModel):
 
     @property
     def offset(self) -> Offset:
-        """The offset of the poses, which the map's origin gets again."""
+        """The offset of the poses, which is added to the map's origin again."""
         return self.recording.log.trajectory(self.recording.trajectory).offset
 
     @property
@@ -183,7 +183,7 @@ class LogModel(SessionModel):
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of both maps, and their logs."""
+        """Number of cells of both maps, and their logs."""
         return Footprint(
             int(self.grid.log_odds.size) + sum(part.cells for part in self.parts_on),
             (self.recording.log, *(log for part in self.parts_on for log in part.logs)),
@@ -191,7 +191,7 @@ class LogModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """The share of the present computation that is done."""
+        """Completed share of the current computation."""
         replay, first, last = self.recording.replay, self._left_at, self._target
         if self.is_catching_up and first < replay.index < last:
             return (replay.index - first) / (last - first)
@@ -199,7 +199,7 @@ class LogModel(SessionModel):
 
     @property
     def progress(self) -> tuple[int, int]:
-        """Scans in the map, scans of the log."""
+        """Number of scans in the map, and of the log."""
         return (self.recording.replay.index, self.recording.log.n_scans)
 
     def _robot(self) -> Robot:
@@ -246,7 +246,7 @@ class LogModel(SessionModel):
         )
 
     def on_scene_ray(self, origin: Point, direction: Point, met: Point | None = None) -> Struct:
-        """Return the command to find out what was clicked."""
+        """Return the command that determines what was clicked."""
         return ScenePick(origin, direction, met)
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
@@ -276,7 +276,7 @@ class LogModel(SessionModel):
         )
 
     def messages(self) -> list[Struct]:
-        """Return the parameters, the trajectory, and those of the parts."""
+        """Return the parameters, the trajectory, and the messages of the parts."""
         return [self._parameters_message(), self._trajectory_message(), *super().messages()]
 
     def _parameters_message(self) -> ParametersMessage:
@@ -348,7 +348,7 @@ class LogModel(SessionModel):
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether the map is not yet that of the requested scan."""
+        """Whether the map is not yet at the requested scan."""
         return self._target != self.recording.replay.index
 
     def play(self) -> None:
@@ -359,7 +359,7 @@ class LogModel(SessionModel):
         super().play()
 
     def handle(self, command: Struct, result: TickResult) -> None:
-        """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
+        """Carry out a command. A seek only sets the target; of several in a tick the last one counts."""
         count = self.recording.log.n_scans
         if isinstance(command, SeekCommand | StepCommand | RestartCommand | CancelCommand | TrajectoryCommand):
             self._followed.leave()
@@ -401,7 +401,7 @@ class LogModel(SessionModel):
         result.changed = True
 
     def _pick(self, pick: ScenePick, result: TickResult) -> None:
-        """Say what was clicked in the 3D view, and go to the scan of a pose."""
+        """Report what was clicked in the 3D view, and go to the scan of a clicked pose."""
         graph = self.find(Graphed)
         picked = picked_by(pick, self._poses, None if graph is None else graph.loops)
         if picked is None:
@@ -415,7 +415,7 @@ class LogModel(SessionModel):
         self.updated(result, is_new=self.recording.update(log))
 
     def updated(self, result: TickResult, *, is_new: bool) -> None:
-        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
+        """Continue after the log got other trajectories. ``is_new`` says whether the map was restarted."""
         if is_new:
             self._left_at = 0
             result.new_grid = True
@@ -424,7 +424,10 @@ class LogModel(SessionModel):
         result.slot(self._trajectory_message())
 
     def use_sensor(self, log: ScanLog, view: LogView, result: TickResult) -> None:
-        """Begin the map again of another sensor of the log, or of scans that are cut otherwise, up to the same time."""
+        """Restart the map with another sensor of the log, or with other options for cutting scans.
+
+        It is mapped up to the same time.
+        """
         recording = self.recording
         stamps, index = recording.log.stamps_ns, recording.replay.index
         reached = None if index == recording.log.n_scans else stamps[:index].max(initial=stamps.min() - 1)
@@ -442,7 +445,7 @@ class LogModel(SessionModel):
             result.slot(message)
 
     def go_to(self, index: int) -> None:
-        """Have the map brought to a number of scans."""
+        """Request a map of this number of scans."""
         self._left_at = self.recording.replay.index
         self._target = index
         self._time = float(self._times[max(index - 1, 0)])

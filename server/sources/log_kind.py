@@ -49,9 +49,9 @@ def log_plan(
     playing: bool = True,
     name: str | None = None,
 ) -> Plan:
-    """Return the plan of a session that shows ``view`` of a log. Making it raises as the mapper does.
+    """Return the plan of a session that shows ``view`` of a log. Creating it raises like the mapper.
 
-    The map of a view of many scans is computed by the session, which shows it on the way.
+    If the view has many scans, the session computes the map and shows it meanwhile.
     """
     shown = view or LogView()
 
@@ -94,7 +94,7 @@ async def _plan(request: NewLog, resources: Resources) -> Plan:
 def costmaps_plan(
     streams: dict[str, CostmapStream], *, log_id: str, title: str, view: LogView, playing: bool, name: str | None = None
 ) -> Plan:
-    """Return the plan of a session that shows the costmaps of a recording without scans, as ``view`` says."""
+    """Return the plan of a session that shows ``view`` of the costmaps of a recording without scans."""
 
     def make(host: ModelHost, making: Making) -> SessionModel:  # noqa: ARG001 - as all plans
         from server.sources.costmaps import CostmapsModel  # noqa: PLC0415 - few logs have them

@@ -1,4 +1,4 @@
-"""The log of a session: its replay, its trajectory, and its diagnosis."""
+"""The log of a session, with its replay, trajectory and diagnosis."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ if TYPE_CHECKING:
     from mapper.io.contents.model import Series
 
 
-IDLE_S = 20.0  #: a computation that nobody asks for during this time ends
+IDLE_S = 20.0  #: a computation ends when it was not requested for this time
 
 SeriesKey: TypeAlias = tuple[Trajectory, MappingConfig]
 
 
 class MapSeries:
-    """The newest series of a session's map, and the share that is done while it is computed. For the event loop."""
+    """The newest series of a session's map, or its completed share. Used from the event loop."""
 
     def __init__(self, host: ModelHost) -> None:
         self._host = host
@@ -55,9 +55,9 @@ class MapSeries:
         self._share = 0.0
 
     def look_up(self, replay: Replay) -> Series | float:
-        """Return the series of the log of ``replay``, with its parameters, or the share that is done.
+        """Return the series of the log of ``replay``, with its parameters, or the completed share.
 
-        Raises as :func:`mapper.replay.map_series.map_series`.
+        Raises like :func:`mapper.replay.map_series.map_series`.
         """
         self._asked = time.monotonic()
         of = (replay.log.trajectory(replay.trajectory), replay.config)
@@ -88,11 +88,11 @@ class MapSeries:
             return map_series(log, config, trajectory, limits, progress, wanted)
 
         self._job = asyncio.ensure_future(in_turn(host.scheduler, host.job_owner, computed))
-        self._job.add_done_callback(lambda done: done.cancelled() or done.exception())  # it is told when asked for
+        self._job.add_done_callback(lambda done: done.cancelled() or done.exception())  # the next request reports it
         return 0.0
 
 
-COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try if a log's map is too large at the default one, metres
+COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try if a log's map is too large at the default, metres
 
 
 def first_config(log: ScanLog) -> MappingConfig:
@@ -105,11 +105,11 @@ def first_config(log: ScanLog) -> MappingConfig:
 def first_replay(
     log: ScanLog, view: LogView, limits: Limits, may_continue: Callable[[], bool] = lambda: True
 ) -> Replay:
-    """Return the replay of a session before the first scan: as in ``view``, with larger cells if the map is too large.
+    """Return a session's initial replay: as in ``view``, but with larger cells if the map is too large.
 
     Raises :class:`mapper.core.errors.WorkCancelledError` if ``may_continue`` returns False.
     """
-    # Values are all those of a map: a link that was made before there was a parameter has the table's value of it.
+    # The values are complete: a parameter that is newer than the link has the table's value.
     config = first_config(log) if view.values is None else MappingConfig().with_values(view.values)
     for resolution in (*(resolution for resolution in COARSER if resolution > config.resolution), None):
         try:
@@ -125,7 +125,7 @@ def first_replay(
 
 
 class _Examination:
-    """One examination that is under way or done: how many wait for it, and the share that is done (None: not begun)."""
+    """One examination: the number of waiting requests, and the completed share (None: not started)."""
 
     def __init__(self) -> None:
         self.future: asyncio.Future[Diagnosis]
@@ -134,14 +134,14 @@ class _Examination:
 
     @property
     def is_wanted(self) -> bool:
-        """Whether anybody waits for it (any thread)."""
+        """Whether any request waits for it (any thread)."""
         return self.waiting > 0
 
 
 class LogRecording(Recording, Viewed):
-    """A log, and the replay that makes its map.
+    """A log, and the replay that computes its map.
 
-    ``log_id`` identifies it in the library, ``view`` says of which sensor it is and how its scans are cut. ``first``
+    ``log_id`` is its id in the library, ``view`` contains its sensor and the options for cutting its scans. ``first``
     are the initial parameters, None for those of the log.
     """
 
@@ -165,18 +165,18 @@ class LogRecording(Recording, Viewed):
 
     @property
     def trajectory(self) -> str:
-        """The name of the trajectory in use."""
+        """The name of the current trajectory."""
         return self.replay.trajectory
 
     def same_paths(self) -> dict[str, str]:
-        """Return for each trajectory whose path another one before it has the name of that one."""
+        """Return, for each trajectory with the same path as an earlier one, the name of the earlier one."""
         trajectories = self.log.trajectories
-        if self._same_paths[0] is not trajectories:  # of long logs it takes longer than a message may
+        if self._same_paths[0] is not trajectories:  # for long logs it takes longer than a message may
             self._same_paths = (trajectories, stated_before(trajectories))
         return self._same_paths[1]
 
     def compared(self) -> tuple[str, str] | None:
-        """Return as :func:`mapper.evaluation.first_pair`."""
+        """Return the same as :func:`mapper.evaluation.first_pair`."""
         return first_pair(self.log.trajectories, self.same_paths())
 
     def first_config(self) -> MappingConfig:
@@ -184,12 +184,12 @@ class LogRecording(Recording, Viewed):
         return first_config(self.log) if self._first is None else self._first
 
     def view(self) -> LogView:
-        """Return the present view: sensor, trajectory, parameters, scans in the map."""
+        """Return the current view: sensor, trajectory, parameters, scans in the map."""
         replay = self.replay
         return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index, self._cut)
 
     def cut_table(self) -> Table | None:
-        """Return the parameters of how the scans are cut, and their values; None where they come from a lidar."""
+        """Return the options for cutting the scans, and their values; None for a lidar."""
         names = {part.topic for part in (self.log.parts if isinstance(self.log, JointLog) else (self.log,))}
         kinds = {topic.type for topic in self.log.topics if topic.name in names}
         rows = [row for row in CUT_PARAMETERS if any(applies(row, kind) for kind in kinds)]
@@ -197,9 +197,9 @@ class LogRecording(Recording, Viewed):
         return Table(rows_of(rows), {row.name: values[row.name] for row in rows}) if rows else None
 
     def use(self, log: ScanLog, view: LogView) -> None:
-        """Begin again with another sensor of the log, or with scans that are cut otherwise (worker thread).
+        """Restart with another sensor of the log, or with other options for cutting scans (worker thread).
 
-        The parameters stay, except those that the sensor sets. Raises as :meth:`choose`, without changes.
+        Parameters are kept, except those that the sensor sets. Raises like :meth:`choose`, without changes.
         """
         old = self.replay
         changed = changed_values(old.config, first_config(self.log))
@@ -211,13 +211,13 @@ class LogRecording(Recording, Viewed):
         self._examinations.clear()
 
     def choose(self, trajectory: str) -> None:
-        """Begin the map again with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
+        """Restart the map with another trajectory (worker thread). Raises like :class:`Replay`, without changes."""
         self._replay_with(self.log, trajectory)
 
     def update(self, log: ScanLog) -> bool:
-        """Go on with ``log``, the same scans with other trajectories (worker thread); return whether the map is new.
+        """Continue with ``log``, the same scans with other trajectories (worker thread); return whether the map is new.
 
-        A trajectory that is in use stays, also where ``log`` has it no longer. Raises as :meth:`choose`, without
+        The current trajectory is kept, even if ``log`` does not contain it. Raises like :meth:`choose`, without
         changes.
         """
         old = self.replay
@@ -234,9 +234,9 @@ class LogRecording(Recording, Viewed):
         return True
 
     def show(self, log: ScanLog, trajectory: str) -> bool:
-        """Go on with ``log``, the same scans, and a trajectory (worker thread); return whether the map is new.
+        """Continue with ``log``, the same scans, and a trajectory (worker thread); return whether the map is new.
 
-        Otherwise it stays as it is. Raises as :meth:`choose`, without changes.
+        Otherwise it is unchanged. Raises like :meth:`choose`, without changes.
         """
         self._examinations.pop(trajectory, None)
         if trajectory == self.trajectory and self.replay.adopt(log):
@@ -245,7 +245,7 @@ class LogRecording(Recording, Viewed):
         return True
 
     def _replay_with(self, log: ScanLog, trajectory: str) -> None:
-        """Begin the map of ``log`` again with one of its trajectories."""
+        """Restart the map of ``log`` with one of its trajectories."""
         old = self.replay
         replay = Replay(log, old.config, trajectory, self._host.limits())
         replay.may_continue = old.may_continue
@@ -263,37 +263,37 @@ class LogRecording(Recording, Viewed):
         return RobotState(pose_tuple(placed.base_pose), sensor, sensor, scan, float(self.recorded[newest]))
 
     def sources(self) -> list[MappedScans]:
-        """Return the scans that are in the map."""
+        """Return the scans in the map."""
         return [MappedScans(self.log, self.trajectory, self.replay.index, self.recorded)]
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
-        """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
+        """Return the current map as a sequence of scans, and the name of its trajectory, between two ticks."""
         async with self._host.settled():
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
     def map_series(self) -> Series | float:
-        """Return the series of the map, or the share that is done; see :class:`MapSeries`."""
+        """Return the series of the map, or the completed share; see :class:`MapSeries`."""
         return self._map_series.look_up(self.replay)
 
     @property
     def examined_share(self) -> float | None:
-        """The share of the examination with the present trajectory that is done; None before it has begun."""
+        """Completed share of the examination with the current trajectory; None before it has started."""
         known = self._examinations.get(self.trajectory)
         return None if known is None else known.share
 
     @property
     def diagnosis(self) -> Diagnosis | None:
-        """The diagnosis with the present trajectory; None where the log was not examined, or is being so."""
+        """Diagnosis with the current trajectory; None unless an examination has finished without an error."""
         known = self._examinations.get(self.trajectory)
         is_there = known is not None and known.future.done() and not known.future.cancelled()
         return known.future.result() if known and is_there and known.future.exception() is None else None
 
     async def examined(self) -> Diagnosis:
-        """Return the diagnosis of the log with the present trajectory.
+        """Return the diagnosis of the log with the current trajectory.
 
-        Requests during an examination wait for its result; it ends when the last of them was cancelled, and with the
-        session. One that failed or ended early begins again at the next request. Raises as
+        Requests during an examination wait for its result. It ends when the last of them was cancelled, and with the
+        session. After a failure or an early end, the next request starts it again. Raises like
         :func:`mapper.diagnosis.diagnose`.
         """
         name = self.trajectory
@@ -324,20 +324,20 @@ class LogRecording(Recording, Viewed):
         )
         result.future.add_done_callback(
             lambda done: done.cancelled() or done.exception()
-        )  # its exception is then not logged as never retrieved
+        )  # so that its exception is not logged as never retrieved
         return result
 
 
 T = TypeVar("T")
 
-AT_ONCE = 2  #: logs that the whole service examines at the same time
+AT_ONCE = 2  #: maximum number of logs that the whole service examines at the same time
 
 _TURNS = Scheduler(AT_ONCE)
 _EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=lower_priority)
 
 
 async def in_turn(scheduler: Scheduler, job_owner: JobOwner, job: Callable[[], T]) -> T:
-    """Return what ``job`` returns, on a thread that it gets in the order of the scheduler. Raises as ``job``."""
+    """Return the result of ``job``, run on a thread that the scheduler grants. Raises like ``job``."""
     turn = _TURNS.request(job_owner, interactive=False)
     try:
         await asyncio.wrap_future(turn.granted)
@@ -354,9 +354,9 @@ async def examination(
     may_continue: Callable[[], bool],
     progress: Callable[[float], None],
 ) -> Diagnosis:
-    """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.diagnose`, which checks ``may_continue``.
+    """Return the diagnosis of a log. Raises like :func:`mapper.diagnosis.diagnose`, which checks ``may_continue``.
 
-    ``progress`` is called with the share that is done, on a worker thread.
+    ``progress`` is called with the completed share, on a worker thread.
     """
 
     def examined() -> Diagnosis:

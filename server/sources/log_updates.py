@@ -28,29 +28,29 @@ from server.stream.messages import ErrorMessage
 
 
 class FollowedPoses:
-    """Maps along the poses that a job has made so far, SLAM or localization, until the user looks at something else."""
+    """Maps along the poses that SLAM or localization has computed so far, until the user selects something else."""
 
     def __init__(self, recording: LogRecording) -> None:
         self._recording = recording
-        self._before: str | None = None  #: the trajectory from which the session began to follow; None: it does not
+        self._before: str | None = None  #: the trajectory before following began; None if it does not follow
         self._name = ""  #: of the trajectory while the job runs
         self.is_following = False
 
     def begin(self, name: str) -> None:
-        """Follow a job from now on, whose trajectory is called ``name``."""
+        """Start following a job, whose trajectory is called ``name``."""
         self.is_following = True
         self._name = name
         self._before = self._recording.trajectory
 
     def leave(self) -> None:
-        """Follow it no longer: the user chose another trajectory or another scan."""
+        """Stop following, because the user chose another trajectory or another scan."""
         self.is_following = False
 
     def show(self, poses: NDArray[np.float64], is_known: NDArray[np.bool_] | None) -> bool:
         """Map along ``poses`` (k, 3), ``T_map_base``, of the first k scans; return whether the map is a new one.
 
-        Those at which ``is_known`` (k,) is False are left out.
-        Scans after them continue the trajectory as the log's own poses move there, so that the grid has room for them.
+        Poses for which ``is_known`` (k,) is False are left out. Later scans continue the trajectory with the motion of
+        the log's own poses, so that the grid is large enough for them.
         """
         log, count = self._recording.log, len(poses)
         before = self._before if self._before in log.trajectories else log.default_trajectory
@@ -63,13 +63,13 @@ class FollowedPoses:
         return self._recording.show(log, self._name)
 
     def end(self) -> str | None:
-        """Return the trajectory to go back to where the job has made none; None where the session did not follow."""
+        """Return the trajectory to go back to if the job produced none; None if the session did not follow."""
         was, self.is_following = self.is_following, False
         return self._before if was else None
 
 
 class Updated(Protocol):
-    """The model of a log session, as far as it is updated."""
+    """The interface of a log session's model for updates."""
 
     recording: LogRecording
     parts: Sequence[Part]
@@ -77,20 +77,20 @@ class Updated(Protocol):
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether the map is not yet that of the requested scan."""
+        """Whether the map is not yet at the requested scan."""
 
     def go_to(self, index: int) -> None:
-        """Have the map brought to a number of scans."""
+        """Request a map of this number of scans."""
 
     def use_sensor(self, log: ScanLog, view: LogView, result: TickResult) -> None:
-        """Begin the map again of another sensor of the log, or of scans that are cut otherwise."""
+        """Restart the map with another sensor of the log, or with other options for cutting scans."""
 
     def updated(self, result: TickResult, *, is_new: bool) -> None:
-        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
+        """Continue after the log got other trajectories. ``is_new`` says whether the map was restarted."""
 
 
 class LogUpdates(Part):
-    """Carries them out on a worker thread."""
+    """The part that carries out these commands on a worker thread."""
 
     commands = (
         UpdateLog,
@@ -99,7 +99,7 @@ class LogUpdates(Part):
         PosesSoFar,
         PosesEnded,
     )
-    is_on = False  # it only takes commands
+    is_on = False  # it only receives commands
 
     def __init__(self, model: Updated, followed: FollowedPoses) -> None:
         self._model, self._followed = model, followed
@@ -125,17 +125,17 @@ class LogUpdates(Part):
         result.changed = True
 
     def _tell(self, command: Struct, result: TickResult) -> None:
-        """Have the other parts take note of a command."""
+        """Pass a command to the other parts."""
         for part in self._model.parts:
             part.note(command, result)
 
     def _show_poses(self, command: PosesSoFar, result: TickResult) -> None:
-        """Map the scans whose poses a job has made so far."""
+        """Map the scans whose poses a job has computed so far."""
         model, poses = self._model, command.poses
         if not self._followed.is_following or not 0 < len(poses) <= model.recording.log.n_scans:
             return
         if model.is_catching_up:
-            return  # with the poses from before; there are newer ones soon
+            return  # with the previous poses; newer ones follow soon
         model.playback.playing = False
         is_new = self._followed.show(poses, command.is_known)
         self._tell(command, result)
@@ -143,7 +143,7 @@ class LogUpdates(Part):
         model.updated(result, is_new=is_new)
 
     def _end_poses(self, trajectory: str | None, result: TickResult) -> None:
-        """Show the whole map along the trajectory that the job has made, None: along the one from before."""
+        """Show the whole map along the trajectory that the job produced; None: along the previous one."""
         model = self._model
         before = self._followed.end()
         chosen = before if trajectory is None else trajectory

@@ -23,14 +23,14 @@ class MapModel(SessionModel):
     kind: ClassVar[str] = "map"
 
     def __init__(self, host: ModelHost, reference: ReferenceMap) -> None:
-        """Show a map. Raises :class:`mapper.core.errors.LimitError` for one that is too large to be edited."""
+        """Show a map. Raises :class:`mapper.core.errors.LimitError` if it is too large to edit."""
         super().__init__(Playback(playing=False))
         self._given = reference
         self.parts = parts_of(Offers(host, map=reference))
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """Those of the parts."""
+        """The layers of the parts."""
         return [layer for part in self.parts_on for layer in part.layers]
 
     @property
@@ -40,7 +40,7 @@ class MapModel(SessionModel):
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of the parts."""
+        """Number of cells of the parts."""
         return Footprint(sum(part.cells for part in self.parts))
 
     @property
@@ -49,7 +49,7 @@ class MapModel(SessionModel):
         return (1, 1)
 
     def complete_frame(self, frame: FrameMessage) -> None:
-        """Set the middle of the map as the pose: the cursor of the keyboard starts there."""
+        """Set the centre of the map as the pose, because the keyboard cursor starts there."""
         edited = self.find(EditedFiles)
         geometry = self._given.geometry if edited is None else edited.geometry
         x, y = geometry.cell_to_world(((geometry.rows - 1) // 2, (geometry.cols - 1) // 2)).round(4).tolist()
@@ -60,4 +60,4 @@ class MapModel(SessionModel):
         return NO_READINGS
 
     def advance(self, dt: float, result: TickResult) -> None:
-        """Do nothing: a map stays as it is."""
+        """Do nothing, because a map does not change with time."""

@@ -16,13 +16,13 @@ from server.sessions.view import RobotState
 
 MAX_BEAMS = 120  #: beams drawn of one scan
 BEAM_Z = 0.2  #: metres above the floor
-BEAM_START = 0.35  #: metres from the sensor at which a beam is drawn: close to it they would hide the robot
+BEAM_START = 0.35  #: metres from the sensor at which a beam begins; closer to it, beams would hide the robot
 
 
 def beam_segments(state: RobotState, config: MappingConfig) -> NDArray[np.float32]:
     """Return the beams that hit something as segments (n, 2, 3) in the base frame, at most :data:`MAX_BEAMS`.
 
-    The correction of the mount among the parameters is applied.
+    The mount correction of the parameters is applied.
     """
     step = -(-len(state.scan.ranges) // MAX_BEAMS) or 1
     ranges = np.asarray(state.scan.ranges, dtype=np.float64)[::step]
@@ -37,11 +37,11 @@ def beam_segments(state: RobotState, config: MappingConfig) -> NDArray[np.float3
     return segments
 
 
-EYE_M = 0.35  #: height over the floor from which a robot's camera looks: its body is below
+EYE_M = 0.35  #: camera height of a robot above the floor; its body is below
 
 
 def sight_of(robot: RobotState) -> Sight:
-    """Return from where a robot on the floor looks ahead."""
+    """Return the position and the forward direction of a robot's camera."""
     x, y, yaw = robot.pose
     return Sight((x, y, EYE_M), (math.cos(yaw), math.sin(yaw), 0.0))
 

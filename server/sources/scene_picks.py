@@ -1,4 +1,4 @@
-"""What a click in the 3D view of a log means: a loop of the pose graph, a pose of the path, or a cell of the map."""
+"""The object that a click in a log's 3D view selects: a loop of the pose graph, a pose of the path, or a cell."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from server.sessions.drawings import Point
 from server.sessions.parts import ShownLoops
 from server.stream.messages import PickedMessage
 
-REACH = math.radians(1.0)  #: largest angle from a line of sight at which a thin thing is meant
-SLACK_M = 0.3  #: what is so little behind the side of a column is not taken to be hidden by it
+REACH = math.radians(1.0)  #: largest angle from a line of sight at which a thin object is selected
+SLACK_M = 0.3  #: objects behind the side of a column by less than this do not count as hidden
 
 
 class ScenePick(Struct):
-    """A click into the 3D view of a log, which only the service sends.
+    """A click in the 3D view of a log. Only the service sends it.
 
-    Its line of sight goes from ``origin`` along ``direction``, and ends at ``met`` on a column of the map, map metres;
-    None: it meets none.
+    The line of sight starts at ``origin`` and has the given ``direction``. It ends at ``met`` on a column of the map,
+    in map metres; None if it meets no column.
     """
 
     origin: Point
@@ -30,7 +30,7 @@ class ScenePick(Struct):
 
 
 def picked_by(pick: ScenePick, poses: NDArray[np.float64], loops: ShownLoops | None) -> PickedMessage | None:
-    """Return what a click means; None where its line of sight meets nothing, not even the floor.
+    """Return what a click selects; None if its line of sight does not even meet the floor.
 
     ``poses`` (n, 3) are those of the scans, ``T_map_base``.
     """
@@ -51,15 +51,15 @@ def picked_by(pick: ScenePick, poses: NDArray[np.float64], loops: ShownLoops | N
 
 
 def _nearest_to_ray(ends: NDArray[np.float64], origin: Point, direction: Point, far: float) -> int | None:
-    """Return which segment is seen at the least angle from a line of sight; None: none within :data:`REACH`.
+    """Return the segment at the least angle from a line of sight; None if none is within :data:`REACH`.
 
-    ``ends`` (n, 2, 3) are in metres, two equal ends are a point. ``far`` is the distance, metres, up to which the line
-    sees. The place of a segment is where it is nearest to the line.
+    ``ends`` (n, 2, 3) are in metres; two equal ends are a point. ``far`` is the length of the line, metres. The angle
+    is measured where the segment is closest to the line.
     """
     away = np.asarray(direction, dtype=np.float64)
     away = away / np.linalg.norm(away)
     from_eye = np.asarray(ends, dtype=np.float64) - np.asarray(origin, dtype=np.float64)
-    across = from_eye - (from_eye @ away)[..., None] * away  # the parts that are perpendicular to the line
+    across = from_eye - (from_eye @ away)[..., None] * away  # the components perpendicular to the line
     start, along = across[:, 0], across[:, 1] - across[:, 0]
     length = np.einsum("ij,ij->i", along, along)
     share = -np.einsum("ij,ij->i", start, along) / np.where(length > 0.0, length, 1.0)

@@ -57,7 +57,7 @@ from server.stream.messages import Forgetting, FrameMessage, Hello, ParametersMe
 from server.stream.protocol import ProtocolError, type_of
 
 MAX_STEP_SCANS = 100
-SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
+SCANS_AT_ONCE = 10  #: scans of a ``step`` command in one tick
 _ROWS = tuple(row for row in PARAMETERS if row.name not in LOG_ONLY)
 
 
@@ -72,7 +72,7 @@ class SimulationModel(SessionModel):
     }
 
     def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
-        """``max_story_s`` is the longest computing time for replaying its history, seconds."""
+        """Create the model. ``max_story_s`` is the longest computing time for replaying its history, seconds."""
         super().__init__()
         self._host = host
         self._mapper = mapper
@@ -101,7 +101,7 @@ class SimulationModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, the second map if there is one, and those of the parts."""
+        """The map, the second map if any, and the layers of the parts."""
         second = () if self._second is None else (self._second,)
         return (self._map, *second, *(layer for part in self.parts_on for layer in part.layers))
 
@@ -127,7 +127,7 @@ class SimulationModel(SessionModel):
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of the map, and of the parts."""
+        """Number of cells of the map and of the parts."""
         return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in self.parts_on))
 
     @property
@@ -142,22 +142,22 @@ class SimulationModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """The share of the recomputation of the map, or of what a part computes, that is done."""
+        """Completed share of the recomputation of the map, or of a part's computation."""
         shares = (self._mapper.fraction, *(part.progress for part in self.parts_on))
         return next((share for share in shares if share is not None), None)
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether a part goes on with what commands requested."""
+        """Whether a part still carries out earlier commands."""
         return any(part.is_behind for part in self.parts_on)
 
     @property
     def progress(self) -> tuple[int, int]:
-        """Scans in the map, scans taken; ``step`` back removes scans from the map."""
+        """Number of scans in the map, and of recorded scans. ``step`` back removes scans from the map."""
         return (self._mapper.scans - self._mapper.hidden, self._mapper.scans)
 
     def robot_state(self) -> RobotState:
-        """Return the robot's present pose and its newest scan."""
+        """Return the robot's current pose and its newest scan."""
         mapper, simulation = self._mapper, self._mapper.simulation
         scan = mapper.newest
         if scan is None:
@@ -173,7 +173,7 @@ class SimulationModel(SessionModel):
         return replace(robot_state, believed_pose=now, believed_scan_pose=scan_pose)
 
     def _robot(self) -> Robot:
-        """Return the robot where it takes itself to be in the map."""
+        """Return the robot at its own estimate of its pose."""
         mapper, simulation = self._mapper, self._mapper.simulation
         scan = None if mapper.hidden else mapper.newest
         scan_pose = compose(mapper.believed_pose, simulation.mount)
@@ -200,7 +200,7 @@ class SimulationModel(SessionModel):
         return [ExplainedMap(self._map, self.grid, self.config, self.sources, self.progress[0])]
 
     def drawings(self) -> list[Drawing]:
-        """Return the map and the robot, what the parts show, some of them instead of the map, and the true world."""
+        """Return the map (unless a part replaces it), the robot, the drawings of the parts, and the true world."""
         world = self.world
         flat = map_drawings(self.grid, self.robot_state(), self.config)
         for part in self.parts_on:
@@ -232,17 +232,17 @@ class SimulationModel(SessionModel):
     # -- messages -------------------------------------------------------------------------------------------------
 
     def complete(self, hello: Hello) -> None:
-        """Set the parameters, the sensor and the world; initial parameters are those for a lidar."""
+        """Set the parameters, the sensor and the world. The initial parameters are those for a lidar."""
         hello.parameters = self.parameters.table(self._mapper.first_config(SensorConfig()))
         hello.sensor = Table(rows_of(SENSOR_PARAMETERS), asdict(self.sensor))
         hello.world, hello.seed = self.world.name, self._mapper.seed
 
     def messages(self) -> list[Struct]:
-        """Return the parameters, the world, and those of the parts."""
+        """Return the parameters, the world, and the messages of the parts."""
         return [self._parameters_message(), world_message(self._mapper), *super().messages()]
 
     def _parameters_message(self) -> ParametersMessage:
-        """Return the parameters, the robot's faults and the parameters in which the second map differs."""
+        """Return the parameters, the robot's faults and the parameters that differ in the second map."""
         second = self._mapper.second
         return ParametersMessage(
             values=asdict(self.config),
@@ -264,7 +264,7 @@ class SimulationModel(SessionModel):
     # -- computing ------------------------------------------------------------------------------------------------
 
     def resume(self, history: History) -> None:
-        """Set playing, speed and the costmap as in a history. Raises :class:`ConfigError`, :class:`ProtocolError`."""
+        """Restore playing, speed and costmap from a history. Raises :class:`ConfigError` and :class:`ProtocolError`."""
         low, high = self.playback.speeds
         speed = history.speed or self.playback.speed
         if not low <= speed <= high:
@@ -296,7 +296,7 @@ class SimulationModel(SessionModel):
                     result.add(change)
 
     def draw(self, result: TickResult) -> None:
-        """Update the layers, and send how both maps forget what was erased from the world."""
+        """Update the layers, and report how both maps forget what was erased from the world."""
         result.changed |= self._map.update(
             self.grid, self.config, result.box, whole=result.new_grid, cells=result.cells
         )
@@ -349,7 +349,7 @@ class SimulationModel(SessionModel):
 
     @contextmanager
     def _cancellable(self) -> Iterator[None]:
-        """Return a context for what has no effect where a client cancels it."""
+        """Return a context for work that has no effect if a client cancels it."""
         with suppress(WorkCancelledError), self._host.cancellable(by_newer=False):
             yield
 
@@ -390,7 +390,7 @@ class SimulationModel(SessionModel):
 
 
 def world_message(mapper: LiveMap) -> WorldMessage:
-    """Return the message ``world``: what stands in the true world, and the edits of its floor plan; metres."""
+    """Return the ``world`` message: the solids of the true world, and the edits of its floor plan; metres."""
     world = mapper.simulation.world
     added, erased = mapper.edits.as_lists()
     return WorldMessage(
@@ -410,7 +410,7 @@ def world_message(mapper: LiveMap) -> WorldMessage:
 
 
 def forgetting_message(vanishing: Vanishing | None) -> Forgetting:
-    """Return the message ``forgetting``; without cells where nothing is watched."""
+    """Return the ``forgetting`` message; without cells if nothing is watched."""
     if vanishing is None:
         return Forgetting(0, 0, None, None, 0.0, 0.0)
     pair = (vanishing.first, vanishing.second)

@@ -44,10 +44,10 @@ def simulation_plan(
     playing: bool = True,
     name: str | None = None,
 ) -> Plan:
-    """Return the plan of a simulation; with ``history``, of one in which it was replayed.
+    """Return the plan of a simulation, optionally with a replayed ``history``.
 
     Raises :class:`mapper.core.errors.LimitError` for a history that would take more than ``max_story_s`` to replay and
-    :class:`mapper.core.errors.ConfigError` for an unknown world; making it raises as :func:`replayed`.
+    :class:`mapper.core.errors.ConfigError` for an unknown world. Creating it raises like :func:`replayed`.
     """
     from mapper.simulation.live_map import world_named  # noqa: PLC0415 - the simulator is imported with the first session
     from server.sources.simulation_replay import check_cost  # noqa: PLC0415

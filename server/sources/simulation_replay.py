@@ -1,4 +1,4 @@
-"""Recording and replaying the history of a simulation, from which its world, recording and map are reproduced."""
+"""Recording and replaying the history of a simulation, which reproduces its world, recording and map."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from server.stream.commands import AutoCommand, DriveCommand, EditCommand, Senso
 
 
 def act(mapper: LiveMap, command: Action, result: TickResult) -> None:
-    """Carry out an action. Raises as the mapper does, and nothing has changed then."""
+    """Carry out an action. Raises like the mapper, without changes."""
     simulation = mapper.simulation
     steps = simulation.steps
     match command:
@@ -55,16 +55,16 @@ def act(mapper: LiveMap, command: Action, result: TickResult) -> None:
 STEP_S = 1.2e-4  #: one step of the simulation
 SCAN_S = 6e-4  #: one scan, whatever its readings
 BEAM_S = 1.1e-6  #: one beam of a lidar
-RAY_S = 2.6e-6  #: one ray of a sonar's cone, with its part of the map
-ACTION_S = 8e-3  #: one action after which the robot plans its path again
+RAY_S = 2.6e-6  #: one ray of a sonar's cone, including its share of mapping
+ACTION_S = 8e-3  #: one action after which the robot replans its path
 SOLID_S = 1e-4  #: one wall or box of an edit
-MAX_STORY_S = 600.0  #: longest simulated time that is replayed, seconds
+MAX_STORY_S = 600.0  #: longest simulated time to replay, seconds
 
 
 def replay_seconds(history: History) -> float:
     """Return the estimated processor time, in seconds, of :func:`server.sources.simulation_replay.replayed`.
 
-    Invalid values of the sensor are ignored: they are refused when the history is replayed.
+    Invalid values of the sensor are ignored here, because the replay rejects them.
     """
     steps = history.steps
     sensor = _with_values(SensorConfig(), history.sensor)
@@ -73,7 +73,7 @@ def replay_seconds(history: History) -> float:
         until = min(max(step, at), steps)
         total += _scans_s(sensor, until - at)
         at = until
-        if isinstance(command, TeleportCommand | EditCommand | AutoCommand):  # the robot plans its path again
+        if isinstance(command, TeleportCommand | EditCommand | AutoCommand):  # the robot replans its path
             total += ACTION_S
         if isinstance(command, EditCommand):
             total += SOLID_S * len(command.added)
@@ -83,7 +83,7 @@ def replay_seconds(history: History) -> float:
 
 
 def check_cost(history: History, max_s: float) -> float:
-    """Return :func:`replay_seconds`. Raises :class:`LimitError` if that is more than ``max_s``."""
+    """Return :func:`replay_seconds`. Raises :class:`LimitError` if it is more than ``max_s``."""
     seconds = replay_seconds(history)
     if seconds > max_s:
         raise LimitError(
@@ -112,7 +112,8 @@ def _scans_s(sensor: SensorConfig, steps: int) -> float:
 class SimulationReplay(Part, Replayable):
     """The history of a session: that of its simulation, playing, speed, the costmap.
 
-    ``max_s`` as in :func:`history_of`; ``navigation`` returns the commands that begin the costmap and set its goal.
+    ``max_s`` is passed to :func:`history_of`; ``navigation`` returns the commands that begin the costmap and set its
+    goal.
     """
 
     is_on = False  # it only answers
@@ -129,7 +130,7 @@ class SimulationReplay(Part, Replayable):
         self._navigation = navigation
 
     async def present_history(self) -> SimulationHistory:
-        """Return the history, between two ticks, of all that was asked of the session before."""
+        """Return the history, between two ticks, of all earlier requests to the session."""
         await self._host.carried_out()
         async with self._host.locked():
             session = {
@@ -176,10 +177,9 @@ def replayed(
 ) -> LiveMap:
     """Replay a history, and return its map.
 
-    ``may_continue`` is called about every hundredth of a second, ``report`` with the share of the simulated time that
-    has passed. Raises :class:`LimitError` for a history that is too long,
-    :class:`mapper.core.errors.WorkCancelledError` if ``may_continue`` returns False, and as the mapper does for a
-    history that cannot be replayed.
+    ``may_continue`` is called about every hundredth of a second, ``report`` with the completed share of the simulated
+    time. Raises :class:`LimitError` for a history that is too long, :class:`mapper.core.errors.WorkCancelledError` if
+    ``may_continue`` returns False, and like the mapper for a history that cannot be replayed.
     """
     steps = history.steps
     if steps * STEP > MAX_STORY_S:
@@ -190,7 +190,7 @@ def replayed(
         sensor=SensorConfig().with_values(history.sensor),
         edits=Edits.of(history.edits.added, history.edits.erased),
         limits=limits,
-        mapping=False,  # mapping once at the end costs less than after each scan
+        mapping=False,  # mapping once at the end is cheaper than after each scan
         may_continue=may_continue,
         make_corrector=_corrector,
     )

@@ -1,4 +1,4 @@
-"""The model of a session that shows a map in 3D: it goes through the scans and answers questions about voxels."""
+"""The model of a session that shows a 3D map. It integrates the scans and answers questions about voxels."""
 
 from __future__ import annotations
 
@@ -60,13 +60,13 @@ if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
     from server.sessions.hosting import ModelHost
 
-SLICE_S = 0.1  #: of inserting scans, after which the map is shown
-PIECE_S = 0.05  #: of drawing voxels
+SLICE_S = 0.1  #: longest time of inserting scans before the map is shown
+PIECE_S = 0.05  #: longest time of drawing voxels
 LOG_ODDS = 3.5  #: the range of the map from above
 
 
 class VolumeModel(SessionModel, Volumetric):
-    """A map of occupied and free voxels of the scans of ``source`` so far, or an octree."""
+    """A map of occupied and free voxels from the scans of ``source`` so far, or an octree."""
 
     kind: ClassVar[str] = "volume"
     is_on = True
@@ -88,12 +88,12 @@ class VolumeModel(SessionModel, Volumetric):
         self, host: ModelHost, source: VolumeSource, *, log_id: str, title: str, topic: str | None = None,
         other: tuple[str, VolumeSource] | None = None, up: str = "z",
     ) -> None:  # fmt: skip
-        """``other`` is the title and the source of a map to compare with, ``up`` the file's axis that is z here."""
+        """``other`` is the title and source of a map to compare with, ``up`` the file's axis that becomes z here."""
         self._host, self._source = host, source
         self._log_id, self._title, self._topic = log_id, title, topic
         self._up = up
         if isinstance(source, OctreeFile):
-            source.tree.check_size(self._limits())  # it has one scan: if that did not fit, nothing would be shown
+            source.tree.check_size(self._limits())  # it has one scan; if that did not fit, nothing would be shown
         self._low, self._high = bounds_of(source)
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
         self._map = ReplayedVolume(source, self._config, self._limits)
@@ -120,7 +120,7 @@ class VolumeModel(SessionModel, Volumetric):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map from above, and those of the parts."""
+        """The map from above, and the layers of the parts."""
         return (self._layer, *(layer for part in self.parts_on for layer in part.layers))
 
     @property
@@ -137,21 +137,21 @@ class VolumeModel(SessionModel, Volumetric):
 
     @property
     def above(self) -> OccupancyGrid | None:
-        """The map from above at its place in the file's coordinates."""
+        """The map from above in the file's coordinates."""
         grid = self.grid
         return None if grid is None else georeferenced(grid, self._offset)
 
     @property
     def _offset(self) -> Float64Array:
-        """By how much the coordinates of the map are less than those of its file (3,), metres."""
+        """What to add to map coordinates to get those of the file (3,), metres."""
         return self._source.offset
 
     def question(self, origin: Point, direction: Point) -> VoxelRayCommand:
-        """Return the command that asks about the voxel that a line of sight meets."""
+        """Return the command that queries the voxel that a line of sight meets."""
         return VoxelRayCommand(origin, direction)
 
     def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
-        """Return where a line of sight meets the surface, a point, or a voxel, as they are shown."""
+        """Return where a line of sight meets the displayed surface, points or voxels."""
         if self._is_surface:
             return self._surface.met(origin, direction)
         scans = self._source if isinstance(self._source, ScanSequence) and self._look.show != "voxels" else None
@@ -163,17 +163,17 @@ class VolumeModel(SessionModel, Volumetric):
         return None if values is None else VolumeLookCommand(values)
 
     def octree_bytes(self, kind: str) -> bytes:
-        """Return the present map as a file ``.bt`` or ``.ot``; that of an octree of this kind as it was read."""
+        """Return the current map as a ``.bt`` or ``.ot`` file; for an octree of this kind, the original file."""
         if isinstance(self._source, OctreeFile) and self._source.kind == kind:
             return self._source.bytes(self._config)
         return octree_file(Octree.of(self._map.volume), kind, self._config, self._offset).bytes(self._config)
 
     def mesh_bytes(self, kind: str) -> bytes:
-        """Return the present surface as a file ``.ply`` or ``.glb``. Raises :class:`ConfigError` without one."""
+        """Return the current surface as a ``.ply`` or ``.glb`` file. Raises :class:`ConfigError` if there is none."""
         return self._surface.file(kind, self._shown.index, self._offset)
 
     def selection_bytes(self) -> bytes:
-        """Return the points of the scans so far in the clip box as a file ``.ply``, with what is known of them."""
+        """Return the points of the scans so far in the clip box as a ``.ply`` file, with their known values."""
         if not isinstance(self._source, ScanSequence):
             voxels = self._map.volume.voxels(float(self._config.log_odds_occupied))[0]
             centres = centres_of(voxels, self._config.resolution)
@@ -194,7 +194,7 @@ class VolumeModel(SessionModel, Volumetric):
 
     @property
     def footprint(self) -> Footprint:
-        """The voxels of the map, of the one that it is compared with, and the points, also as they are drawn."""
+        """Voxels of the map and of the one compared with it, and the points, stored and drawn."""
         points = 3 * len(self._source.points) if isinstance(self._source, ScanSequence) else self._source.tree.n_nodes
         of_parts = sum(part.cells for part in self.parts_on)
         drawn = self._surface.cells + self._drawn.n_cells
@@ -212,7 +212,7 @@ class VolumeModel(SessionModel, Volumetric):
         hello.log = log_info(self._source, self._log_id, self._topic, self._timeline.duration)
 
     def messages(self) -> list[Struct]:
-        """Return what the map has, its parameters, and that no voxel is chosen."""
+        """Return the contents of the map, its parameters, and the message that no voxel is chosen."""
         return [
             self._message(),
             self._parameters(),
@@ -234,7 +234,7 @@ class VolumeModel(SessionModel, Volumetric):
         return NO_READINGS
 
     def drawings(self) -> list[Drawing]:
-        """Return the voxels, the points, what is chosen, and what differs from another map."""
+        """Return the voxels, the points, the chosen voxel, and the differences from another map."""
         surface = [self._surface.drawing(self._look, float(self._low[2]))] if self._is_surface else []
         return [
             *self._drawn.current(self._map.volume, self._look),
@@ -243,7 +243,7 @@ class VolumeModel(SessionModel, Volumetric):
         ]
 
     def controls(self) -> SceneControls:
-        """Return what the camera shows at first, and where the sensor is."""
+        """Return the initial view of the camera, and the sensor's pose."""
         (x0, y0, z0), (x1, y1, z1) = self._low.tolist(), self._high.tolist()
         sight = sensor_sight(self._source, self._shown.index) if isinstance(self._source, ScanSequence) else None
         return SceneControls(playing=self.playback.playing, bounds=(x0, y0, x1, y1), heights=(z0, z1), sight=sight)
@@ -368,19 +368,19 @@ class VolumeModel(SessionModel, Volumetric):
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether scans are still to be put into the map; while it plays, only into the one that is shown."""
+        """Whether scans still have to be integrated; during playback, only into the displayed map."""
         if self._shown.index != self._timeline.target:
             return True
         return self._map.index != self._timeline.target and not self.playback.playing
 
     @property
     def catch_up_pause_s(self) -> float:
-        """The time that is left for sending the surface."""
+        """Remaining time for sending the surface."""
         return self._surface.sending_s if self._is_surface and self._shown.index == self._timeline.target else 0.0
 
     @property
     def fraction(self) -> float | None:
-        """The share of the wanted scans that is in the map, or what a part has done of its computation."""
+        """Share of the requested scans in the map, or the completed share of a part's computation."""
         share = next((part.progress for part in self.parts_on if part.progress is not None), None)
         if share is not None:
             return share
@@ -390,12 +390,12 @@ class VolumeModel(SessionModel, Volumetric):
 
     @property
     def working_on(self) -> str:
-        """The answer about a voxel, or else the map or a part."""
+        """The answer about a voxel if one is being computed, otherwise the map or a part."""
         is_voxel = self._questions.is_busy or self._surface.is_busy
         return "voxel" if is_voxel else super().working_on
 
     def advance(self, dt: float, result: TickResult) -> None:
-        """Play, and put scans into the map for a tenth of a second."""
+        """Play, and integrate scans into the map for a tenth of a second."""
         if dt > 0.0 and self.playback.playing:
             self._timeline.play(dt * self.playback.speed)
             result.changed = True
@@ -418,7 +418,7 @@ class VolumeModel(SessionModel, Volumetric):
         result.changed = True
 
     def _follow_surface(self, result: TickResult) -> None:
-        """Fuse scans and mesh what they changed, so that it is drawn at once."""
+        """Fuse scans and mesh the changes, so that they are drawn at once."""
         try:
             self._go_on(self._surface.replayed)
         finally:
@@ -427,7 +427,7 @@ class VolumeModel(SessionModel, Volumetric):
         result.changed = True
 
     def _go_on(self, shown: ReplayedVolume | ReplayedSurface) -> None:
-        """Bring a map nearer to the wanted scan; if it cannot be, the scan that it is at is wanted."""
+        """Bring a map closer to the requested scan; if that is impossible, request the current one."""
         began = time.monotonic()
         try:
             with self._host.cancellable():
@@ -450,7 +450,7 @@ class VolumeModel(SessionModel, Volumetric):
         return stale or self._drawn.is_stale or self._stale_grid or self._comparison.is_stale or self._nodes is None
 
     def run_deferred_work(self, result: TickResult) -> None:
-        """Bring one of them up to date, or a part of it."""
+        """Bring one of them, or a part of it, up to date."""
         began = time.monotonic()
         result.changed = True
         if self._is_surface and self._surface.is_stale:

@@ -1,4 +1,4 @@
-"""Request and plan of sessions that show a map in 3D."""
+"""Request and plan of sessions that show a 3D map."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from server.sessions.model import SessionModel
 
 
-Z = "z"  #: the axis that points up where nothing says another
+Z = "z"  #: the axis that points up by default
 
 
 def _turned(source: VolumeSource, up: str) -> VolumeSource:
@@ -32,10 +32,10 @@ async def volume_plan(
     resources: Resources, log: str, topic: str | None, *, up: str | None = None, other: str | None = None,
     name: str | None = None, playing: bool = True,
 ) -> Plan:  # fmt: skip
-    """Return the plan of a session on the log with the id ``log``; the rest is as in the request for one.
+    """Return the plan of a session on the log with the id ``log``; the other arguments are those of the request.
 
-    ``up`` None is the axis that the poses of depth images say, or z. Raises as :meth:`Library.volume` does, and
-    :class:`ConfigError` for an octree that is to be turned.
+    If ``up`` is None, it is the axis that the poses of depth images define, or z. Raises like :meth:`Library.volume`,
+    and :class:`ConfigError` for an octree with another axis.
     """
     library, making, visitor = resources.library, resources.making, resources.visitor
     second: VolumeSource | None = None
@@ -48,7 +48,7 @@ async def volume_plan(
             second = await library.volume(visitor, other)
     finally:
         making.watched = None
-    if up is None:  # both maps are in one frame, and one of voxels cannot be turned
+    if up is None:  # both maps are in one frame, and voxels cannot be rotated
         up = Z if isinstance(source, OctreeFile) or isinstance(second, OctreeFile) else source.first_up
     axis, shown = up, _turned(source, up)
     compared = None if other is None or second is None else (library.get(visitor, other).name, _turned(second, up))
@@ -62,7 +62,7 @@ async def volume_plan(
 
 
 class NewVolume(SessionRequest):
-    """A session that shows a map in 3D: of a cloud, a depth folder, an octree, or the clouds of a recording."""
+    """A session that shows a 3D map of a cloud, a depth folder, an octree, or the clouds of a recording."""
 
     kind: Literal["volume"]
     log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")

@@ -1,1 +1,1 @@
-"""The stream: the wire format, the layers, and what each client has received."""
+"""The stream: the wire format, the layers, and what was sent to each client."""

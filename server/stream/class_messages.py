@@ -1,6 +1,6 @@
-"""The messages of a class: between the lecturer's page, the service, and the pages of the followers.
+"""The messages of a class between the lecturer's page, the service, and the pages of the followers.
 
-Each is stated once, as those of :mod:`server.stream.messages`. They go over `/api/classes/{code}/stream`.
+Each is defined once, like those of :mod:`server.stream.messages`. They are sent over `/api/classes/{code}/stream`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from server.stream.messages import WhyMessage
 
 MAX_OPTIONS = 8
 MAX_TEXT = 300
-MAX_HASH = 20_000  #: of an address: that of an older page may hold a deck of slides, which no follower gets
+MAX_HASH = 20_000  #: of an address; that of an older page may contain a slide deck, which no follower receives
 MAX_SLIDE_TEXT = 4000
 Sentence = Annotated[str, Meta(max_length=MAX_TEXT)]
 Name = Annotated[str, Meta(max_length=100)]
@@ -23,7 +23,7 @@ Hash = Annotated[str, Meta(max_length=MAX_HASH)]
 
 
 class ClassLook(Struct):
-    """The part of the map that a picture shows, with the size of the picture."""
+    """The part of the map shown in a picture, with the size of the picture."""
 
     x: Annotated[Number, Meta(description="the place in the middle, m")]
     y: Annotated[Number, Meta(description="the place in the middle, m")]
@@ -33,7 +33,7 @@ class ClassLook(Struct):
 
 
 class ClassSlide(Struct):
-    """The slide that is shown now, without its notes: all that followers get of the lecturer's deck."""
+    """The current slide without its notes, the only part of the lecturer's deck that followers receive."""
 
     kind: Annotated[
         Literal["title", "section", "derivation", "text", "lab", "log"],
@@ -77,7 +77,7 @@ class ClassView(Struct):
 
 
 class ClassAxis(Struct):
-    """The axis of a guess that is a number."""
+    """The axis for guessing a number."""
 
     low: Annotated[Number, Meta(description="least guess")]
     high: Annotated[Number, Meta(description="greatest guess")]
@@ -85,7 +85,7 @@ class ClassAxis(Struct):
 
 
 class ClassQuestion(Struct):
-    """A question that the class is asked, and what has been answered."""
+    """A question for the class, and the answers to it."""
 
     id: Annotated[int, Meta(description="number of the question, from 1")]
     text: Annotated[str, Meta(description="the question")]
@@ -126,7 +126,7 @@ class ClassPuzzle(Struct):
 
 
 class ClassState(Struct, tag_field="type", tag="class"):
-    """The state of the class, to all who are in it; at most five times a second."""
+    """The state of the class, sent to all its members, at most five times a second."""
 
     code: Annotated[str, Meta(description="the code of the class")]
     present: Annotated[int, Meta(description="followers that are connected")]
@@ -143,7 +143,7 @@ class ClassState(Struct, tag_field="type", tag="class"):
 
 
 class ClassWelcome(Struct, tag_field="type", tag="welcome"):
-    """The first message: who one is in the class."""
+    """The first message: the role of the receiver in the class."""
 
     role: Annotated[Literal["lecturer", "follower"], Meta(description="what one may do")]
     number: Annotated[int, Meta(description="number of a follower, from 1; 0: the lecturer")]
@@ -151,14 +151,14 @@ class ClassWelcome(Struct, tag_field="type", tag="welcome"):
 
 
 class ClassViewMessage(Struct, tag_field="type", tag="view"):
-    """Present state of the lecturer's page, sent to the followers."""
+    """Current state of the lecturer's page, sent to the followers."""
 
     view: Annotated[ClassView, Meta(description="what the lecturer shows")]
     stage: Annotated[int, Meta(description="number of the session that is shown, from 1; 0: none")]
 
 
 class ClassExplained(Struct, tag_field="type", tag="explained"):
-    """The explanation of the selected cell, as the lecturer's page shows it, to the followers."""
+    """The explanation of the selected cell, as shown on the lecturer's page, sent to the followers."""
 
     why: Annotated[WhyMessage | None, Meta(description="the explanation; null: none is shown")]
 
@@ -177,20 +177,20 @@ ClassMessage = ClassState | ClassWelcome | ClassViewMessage | ClassExplained | C
 
 
 class ShowCommand(Struct, tag_field="type", tag="show"):
-    """Lecturer: what the page shows now."""
+    """Lecturer: the current state of the page."""
 
     view: Annotated[ClassView, Meta(description="what it shows")]
     session: Annotated[Name | None, Meta(description="id of the session that it shows; null: none")] = None
 
 
 class ExplainCommand(Struct, tag_field="type", tag="explain"):
-    """Lecturer: the explanation that the page shows."""
+    """Lecturer: the explanation shown on the page."""
 
     why: Annotated[WhyMessage | None, Meta(description="the explanation; null: none is shown")] = None
 
 
 class AskCommand(Struct, tag_field="type", tag="ask"):
-    """Lecturer: ask the class a question, with options to choose from or an axis on which a number is guessed."""
+    """Lecturer: ask the class a question, with options to choose from or an axis for guessing a number."""
 
     text: Annotated[Sentence, Meta(description="the question")]
     options: Annotated[Sentences | None, Meta(description="two to eight answers; null: a number is guessed")] = None
@@ -199,19 +199,19 @@ class AskCommand(Struct, tag_field="type", tag="ask"):
 
 
 class RevealCommand(Struct, tag_field="type", tag="reveal"):
-    """Lecturer: show the result to all. No more answers are taken."""
+    """Lecturer: show the result to all. No more answers are accepted."""
 
     right: Annotated[Number | None, Meta(description="the right answer, if it was not known before")] = None
 
 
 class StopCommand(Struct, tag_field="type", tag="stop"):
-    """Lecturer: take no more answers to the question, or take them again. Its result is not shown yet."""
+    """Lecturer: accept no more answers to the question, or accept them again. Its result is not shown yet."""
 
     value: Annotated[bool, Meta(description="false: answers are taken again, and those given are kept")] = True
 
 
 class CloseCommand(Struct, tag_field="type", tag="close"):
-    """Lecturer: take the question away. Its result is kept until the class ends."""
+    """Lecturer: remove the question. Its result is kept until the class ends."""
 
 
 class LockCommand(Struct, tag_field="type", tag="lock"):
@@ -221,7 +221,7 @@ class LockCommand(Struct, tag_field="type", tag="lock"):
 
 
 class CountCommand(Struct, tag_field="type", tag="count"):
-    """Lecturer: choose whose answers are counted, of all questions of the class."""
+    """Lecturer: choose whose answers are counted, for all questions of the class."""
 
     joined_only: Annotated[bool, Meta(description="only of who had joined when the question was asked")]
 
@@ -240,7 +240,7 @@ class AnswerCommand(Struct, tag_field="type", tag="answer"):
 
 
 class RaiseCommand(Struct, tag_field="type", tag="raise"):
-    """Follower: ask for the robot, or no longer."""
+    """Follower: request the robot, or withdraw the request."""
 
     value: Annotated[bool, Meta(description="whether one asks for it")]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class CloseCode:
-    """One close code: ``cause`` is for developers, ``sentence`` is what the page shows.
+    """One close code: ``cause`` is for developers, ``sentence`` is shown by the page.
 
-    ``may_be_over``: the session may not exist any more; the page checks that before it reconnects.
+    ``may_be_over``: the session may no longer exist; the page checks that before it reconnects.
     """
 
     code: int

@@ -1,8 +1,7 @@
-"""The commands of every session from the browser to the server, each stated once; see :mod:`server.stream.messages`.
+"""The commands of every session from the browser to the server, each defined once; see :mod:`server.stream.messages`.
 
-Those of parts are in the folders of the parts; :mod:`server.parts.wire` has all of them.
-
-Fields with a default may be left out. Fields that are not stated here are ignored.
+Commands of parts are in the folders of the parts; :mod:`server.parts.wire` lists all of them. Fields with a default may
+be omitted. Unknown fields are ignored.
 """
 
 from __future__ import annotations
@@ -36,13 +35,13 @@ class SubscribeCommand(Struct, tag_field="type", tag="subscribe"):
 
 
 class SelectCommand(Struct, tag_field="type", tag="select"):
-    """Mark a place of the map in the 3D views of this page."""
+    """Mark a place on the map in the 3D views of this page."""
 
     place: Annotated[Point | None, Meta(description="the place; null for none")] = None
 
 
 class MeasureCommand(Struct, tag_field="type", tag="measure"):
-    """Draw what this page measures in its 3D views, where each click is then answered with `place`."""
+    """Draw this page's measurement in its 3D views, where each click is then answered with `place`."""
 
     points: Annotated[
         Annotated[list[Place], Meta(max_length=1000)] | None,
@@ -82,7 +81,7 @@ class SeekCommand(Struct, tag_field="type", tag="seek"):
 
 
 class CancelCommand(Struct, tag_field="type", tag="cancel"):
-    """Log sessions: end the computation that goes on. A seek stays where it is; parameters are as before."""
+    """Log sessions: cancel the current computation. A seek stops where it is; parameters are restored."""
 
 
 class ParametersCommand(Struct, tag_field="type", tag="parameters"):

@@ -1,4 +1,4 @@
-"""WebSocket messages as a server sends them: unmasked, whole, and the same bytes for every client (RFC 6455, 5.2)."""
+"""WebSocket messages from a server: unmasked, unfragmented, and the same bytes for every client (RFC 6455, 5.2)."""
 
 from __future__ import annotations
 
@@ -6,21 +6,22 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-#: The extension of the ASGI scope of a connection that takes complete frames as the item ``frames`` of a message
-#: ``websocket.send``. They are written at once, in one system call. Its item ``socket`` is a :class:`DirectSocket`.
+#: The extension of the ASGI scope of a connection that accepts complete frames as the item ``frames`` of a
+#: ``websocket.send`` message. They are written immediately, in one system call. Its item ``socket`` is a
+#: :class:`DirectSocket`.
 EXTENSION = "gridbloom.frames"
 
 
 class DirectSocket(Protocol):
-    """A WebSocket as its application uses it without a task: hundreds of clients wait for each tick of a session.
+    """A WebSocket that is used without a task of its own, because hundreds of clients wait for each tick.
 
-    ``on_text`` is called with each text message and returns whether it has taken it; others go the way of ASGI.
+    ``on_text`` is called with each text message and returns whether it handled it; others are passed to ASGI.
     """
 
     on_text: Callable[[bytes], bool] | None
 
     def is_ready(self) -> bool:
-        """Return whether the client is there, and has read enough of what was written before."""
+        """Return whether the client is connected, and has read enough of the earlier data."""
         ...
 
     def write(self, frames: bytes) -> None:

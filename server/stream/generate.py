@@ -1,8 +1,7 @@
 """Generate from the messages: TypeScript types and validators, the JSON Schema, and the documentation page.
 
-The constants that the pages share with the mapper are written with them.
-
-``python -m server.stream.generate`` writes the files; with ``--check`` it only fails if one is out of date.
+The constants shared by the pages and the mapper are written too. ``python -m server.stream.generate`` writes the files;
+with ``--check`` it only fails if one is out of date.
 """
 
 from __future__ import annotations
@@ -53,14 +52,14 @@ CONSTANTS: tuple[tuple[str, float, str], ...] = (
 )
 ROOT = Path(__file__).parents[2]
 COMMAND = "python -m server.stream.generate"
-_SCALARS: dict[type[types.Type], tuple[str, str]] = {  # type in TypeScript, and validator
+_SCALARS: dict[type[types.Type], tuple[str, str]] = {  # TypeScript type, and validator
     types.IntType: ("number", "isInteger"),
     types.FloatType: ("number", "isNumber"),
     types.StrType: ("string", "isText"),
     types.BoolType: ("boolean", "isFlag"),
     types.NoneType: ("null", "isNull"),
 }
-#: description of each alias by its title; a field's own description hides it in ``msgspec.inspect``
+#: description of each alias by its title; ``msgspec.inspect`` replaces it by a field's own description
 ALIASES: dict[str, str] = {
     meta.title: meta.description or ""
     for alias in vars(message_parts).values()
@@ -74,7 +73,7 @@ _CHECKS = (
 
 
 def constants(command: str) -> str:
-    """Return ``static/src/wire/constants.ts``, which says that ``command`` writes it."""
+    """Return ``static/src/wire/constants.ts``, with a note that ``command`` writes it."""
     lines = [f"// Written by `{command}` from constants of mapper/: change those."]
     for name, value, meaning in CONSTANTS:
         lines += ["", f"/** {meaning} */", f"export const {name} = {value!r};"]
@@ -121,7 +120,7 @@ def _alias(of: types.Type) -> str | None:
 
 
 def _named_parts(roots: Iterable[types.Type]) -> dict[str, types.Type]:
-    """Return the aliases and the objects inside messages by name, each after its parts."""
+    """Return the aliases and the objects inside messages by name, each after its own parts."""
     named: dict[str, types.Type] = {}
 
     def visit(kind: types.Type, *, is_root: bool) -> None:
@@ -299,7 +298,7 @@ def schema() -> str:
     }
     components, parts = msgspec.json.schema_components(unions.values(), ref_template="#/$defs/{name}")
     for part in parts.values():
-        if "description" in part:  # a docstring, from which only Python 3.13 and newer take the indentation
+        if "description" in part:  # a docstring; Python removes its indentation only from version 3.13 on
             part["description"] = inspect.cleandoc(part["description"])
     whole = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -391,7 +390,7 @@ def stale() -> list[Path]:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the files that are out of date, or with ``--check`` name them; return the exit code."""
+    """Write outdated files, or list them with ``--check``; return the exit code."""
     late = stale()
     if "--check" in arguments:
         for path in late:

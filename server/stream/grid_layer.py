@@ -1,4 +1,4 @@
-"""The layers that are grids: the int8 picture of a grid in tiles, the newest changes of its cells, what clients have.
+"""The layers that are grids: the int8 picture of a grid in tiles, recent changes of its cells, and clients' revisions.
 
 The picture is written by the session's computation (:meth:`TilePicture.update`, on a worker thread) and read by the
 event loop (:meth:`TilePicture.payloads`). Each tile is compressed once for all clients. A tile that is compressed while
@@ -24,32 +24,32 @@ from server.stream.layers import Body, Cursor, Layer, Point
 from server.stream.messages import Geometry
 from server.stream.protocol import CHANGES, TILES, CellChanges, TilePayload
 
-MAX_BODIES = 8  #: different bodies of a layer that are kept between two ticks
+MAX_BODIES = 8  #: maximum number of different bodies of a layer that are kept between two ticks
 Lists = Sequence[NDArray[np.uint32]]
 
-#: Level 1 for so few bytes, with smaller tables, which cost less to clear, and matches of at least seven bytes, which
-#: are found sooner: tiles are 2 % smaller and take less time than with the level's own numbers.
+#: Level 1 with smaller tables, which are cheaper to clear, and matches of at least seven bytes, which are found faster.
+#: For this amount of data, tiles are 2 % smaller and take less time than with the level's defaults.
 ZSTD_PARAMETERS = zstandard.ZstdCompressionParameters(
     strategy=zstandard.STRATEGY_FAST, window_log=12, hash_log=9, min_match=7, write_content_size=True
 )
 #: Log-odds below which a cell is free, and above which it is occupied.
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
 
-#: Most changed cells that are kept, of the newest updates: 9 kB when they are sent.
+#: Maximum number of changed cells kept, of the newest updates: 9 kB when sent.
 MOST_CHANGES = 3072
 MAX_FRAME_TILES = 2048
-MOST_AT_ONCE = 32  #: tiles that are compressed in one call
-#: Where each tile begins in one array, and its size, as python-zstandard takes them.
+MOST_AT_ONCE = 32  #: maximum number of tiles compressed in one call
+#: Start of each tile in one array, and its size, in the form that python-zstandard expects.
 _SEGMENTS = np.array([(i * TILE * TILE, TILE * TILE) for i in range(MOST_AT_ONCE)], dtype=np.uint64).tobytes()
 
-_EPOCHS = itertools.count(1)  # of the process: a new picture never has the epoch of an earlier one
+_EPOCHS = itertools.count(1)  # of the process; a new picture never reuses an epoch
 
 
 _kept = threading.local()
 
 
 def _compressor() -> zstandard.ZstdCompressor:
-    """Return this thread's compressor: its tables stay in the processor's cache, and no picture has some of its own."""
+    """Return this thread's compressor. Sharing it among pictures keeps its tables in the processor's cache."""
     compressor: zstandard.ZstdCompressor | None = getattr(_kept, "compressor", None)
     if compressor is None:
         compressor = _kept.compressor = zstandard.ZstdCompressor(compression_params=ZSTD_PARAMETERS)
@@ -66,8 +66,8 @@ def picture_range(config: MappingConfig) -> tuple[float, float]:
 class TilePicture:
     """The picture of one geometry: ``cells`` (rows, cols) int8, ``revision`` (tile rows, tile cols) uint32.
 
-    ``revision`` is replaced, never modified. Revision 0: the tile has never had a value. ``low`` … ``high`` are
-    the values of −127 … 127. ``epoch`` is greater than that of any earlier picture.
+    ``revision`` is replaced, never modified. Revision 0: the tile has never had a value. ``low`` and ``high`` are the
+    values of −127 and 127. ``epoch`` is greater than that of any earlier picture.
     """
 
     def __init__(self, geometry: GridGeometry, low: float, high: float, revision: int = 0) -> None:
@@ -80,13 +80,13 @@ class TilePicture:
         self.revision: NDArray[np.uint32] = np.zeros(tiles, dtype=np.uint32)
         self._changed: NDArray[np.bool_] = np.zeros(tiles, dtype=np.bool_)
         self._cells: NDArray[np.uint32] = np.empty(MOST_CHANGES, dtype=np.uint32)  # changed since publish()
-        self._n_cells = 0  # how many changed, of which at most MOST_CHANGES are listed
-        #: Of the newest published updates, the newest last: ``revision`` before it, and the cells that it changed.
+        self._n_cells = 0  # number of changed cells, of which at most MOST_CHANGES are listed
+        #: The newest published updates, the newest last: the previous ``revision``, and the changed cells.
         self._updates: list[tuple[NDArray[np.uint32], NDArray[np.uint32]]] = []
         self._payloads: dict[tuple[int, int], TilePayload] = {}
 
     def shows(self, geometry: GridGeometry, low: float, high: float) -> bool:
-        """Whether the picture has this geometry and range of values: if not, a new epoch has to begin."""
+        """Return whether the picture has this geometry and range of values; if not, a new epoch must begin."""
         return self.geometry == geometry and self.low == low and self.high == high
 
     def update(self, grid: OccupancyGrid, box: CellBox) -> int:
@@ -99,7 +99,7 @@ class TilePicture:
         return self._n_cells - listed
 
     def update_cells(self, grid: OccupancyGrid, cells: NDArray[np.uint32]) -> int:
-        """Update some ``cells`` (n,), ``row · cols + col``, as :meth:`update` a box."""
+        """Update some ``cells`` (n,), ``row · cols + col``, like :meth:`update`."""
         listed = self._n_cells
         self._n_cells = quantise_cells(
             grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
@@ -115,7 +115,7 @@ class TilePicture:
     ) -> None:
         """Set ``values`` (rows, cols), of which only those in ``box`` differ from the last ones (worker thread).
 
-        Cells that are ``missing`` or NaN have no value.
+        Cells in ``missing`` or NaN have no value.
         """
         first_row = first_col = 0
         if box is not None:  # whole tiles
@@ -129,11 +129,11 @@ class TilePicture:
         self._set_part(cells, first_row, first_col)
 
     def set_cells(self, cells: NDArray[np.int8], first_row: int = 0) -> None:
-        """Set ``cells`` (rows, cols) of the picture themselves, from a row of tiles on (worker thread)."""
+        """Set the ``cells`` (rows, cols) of the picture directly, from a row of tiles on (worker thread)."""
         self._set_part(cells, first_row, 0)
 
     def _set_part(self, cells: NDArray[np.int8], first_row: int, first_col: int) -> None:
-        """Set the cells from a tile on; ``cells`` ends at the end of a tile or of the picture."""
+        """Set the cells starting at a tile. ``cells`` ends at the end of a tile or of the picture."""
         top, left = first_row * TILE, first_col * TILE
         picture = self.cells[top : top + cells.shape[0], left : left + cells.shape[1]]
         rows, cols = -(-cells.shape[0] // TILE), -(-cells.shape[1] // TILE)
@@ -145,7 +145,7 @@ class TilePicture:
         self._n_cells = MOST_CHANGES + 1  # not listed
 
     def publish(self) -> int:
-        """Give tiles that changed since the last call a new revision (event loop); return their number."""
+        """Assign a new revision to the tiles changed since the last call (event loop); return their number."""
         count = int(np.count_nonzero(self._changed))
         if count:
             self.newest += 1
@@ -156,7 +156,7 @@ class TilePicture:
         return count
 
     def _keep_changes(self, before: NDArray[np.uint32]) -> None:
-        """Keep the cells of the newest update, and of those before it as many as there is room for."""
+        """Store the cells of the newest update, and of as many earlier ones as fit."""
         if self._n_cells > MOST_CHANGES:
             self._updates.clear()
             return
@@ -166,13 +166,13 @@ class TilePicture:
             total -= len(self._updates.pop(0)[1])
 
     def updates_since(self, revision: NDArray[np.uint32]) -> int:
-        """Return the number of updates since ``revision`` was the picture's, the same array; 0 if they are not kept."""
+        """Return the number of updates since ``revision`` (the same array) was current; 0 if they are not stored."""
         return next((len(self._updates) - i for i, (old, _) in enumerate(self._updates) if old is revision), 0)
 
     def changes(self, updates: int) -> CellChanges:
-        """Return what so many of the newest published updates changed (event loop).
+        """Return the cells changed by the last ``updates`` published updates (event loop).
 
-        The values are the present ones: a cell that is written meanwhile is in the next update's changes again.
+        The values are the current ones; a cell written in the meantime is in the next update's changes again.
         """
         lists = [cells for _, cells in self._updates[-updates:]]
         cells = lists[0] if updates == 1 else np.concatenate(lists)
@@ -182,7 +182,7 @@ class TilePicture:
         return CellChanges(self.newest, tiles[:count], places, values)
 
     def nearest_first(self, mask: NDArray[np.bool_], focus_xy: tuple[float, float]) -> NDArray[np.intp]:
-        """Return (n, 2) tiles (ty, tx) of a ``mask``, nearest to ``focus_xy`` first, at most those of one frame."""
+        """Return tiles (n, 2), (ty, tx), of a ``mask``, nearest to ``focus_xy`` first, at most those of one frame."""
         rows, cols = mask.nonzero()
         tiles = np.empty((len(rows), 2), dtype=np.intp)
         tiles[:, 0], tiles[:, 1] = rows, cols
@@ -196,7 +196,7 @@ class TilePicture:
         return tiles
 
     def payloads(self, tiles: NDArray[np.intp]) -> Iterator[TilePayload]:
-        """Yield ``tiles`` (n, 2), (ty, tx), at their present revisions; each is compressed once for all clients."""
+        """Yield ``tiles`` (n, 2), (ty, tx), at their current revisions. Each is compressed once for all clients."""
         payloads = self._payloads
         for first in range(0, len(tiles), MOST_AT_ONCE):
             some = tiles[first : first + MOST_AT_ONCE]
@@ -210,20 +210,20 @@ class TilePicture:
             yield from (tile for tile in cached if tile is not None)
 
     def _compressed(self, tiles: NDArray[np.intp]) -> list[bytes]:
-        """Return ``tiles`` (n, 2), (ty, tx), each compressed."""
+        """Return ``tiles`` (n, 2), (ty, tx), compressed one by one."""
         if len(tiles) == 0:
             return []
         cells = np.full((len(tiles), TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
         for out, (ty, tx) in zip(cells, tiles.tolist(), strict=True):
             tile = self.cells[ty * TILE : (ty + 1) * TILE, tx * TILE : (tx + 1) * TILE]
-            out[: tile.shape[0], : tile.shape[1]] = tile  # the last tiles of a grid may reach beyond it
-        # All in one call: each one gives the interpreter's lock away and has to wait for it again.
+            out[: tile.shape[0], : tile.shape[1]] = tile  # the last tiles of a grid may extend beyond it
+        # All in one call, because each call releases the interpreter's lock and has to wait for it again.
         parts = zstandard.BufferWithSegments(cells.data, _SEGMENTS[: 16 * len(tiles)])
         packed = _compressor().multi_compress_to_buffer(parts)
         return [packed[i].tobytes() for i in range(len(tiles))]
 
     def message(self, layer: int) -> Geometry:
-        """Return the ``geometry`` message for the layer of this id."""
+        """Return the ``geometry`` message of the layer with this id."""
         return Geometry(
             layer=layer,
             epoch=self.epoch,
@@ -244,10 +244,10 @@ class GridLayer(Layer):
 
     def __init__(self, name: str, title: str, style: str = "belief") -> None:
         super().__init__(name, title, style)
-        self.picture: TilePicture | None = None  #: the published one; None before the first
-        self._written: TilePicture | None = None  # the picture that is written, which may begin a new epoch
-        #: By what a client had and how much it takes: the body that it is sent, and what it has then. Of the clients
-        #: that follow a session most have the same.
+        self.picture: TilePicture | None = None  #: the published picture; None before the first
+        self._written: TilePicture | None = None  # the picture being written, which may begin a new epoch
+        #: By what a client had and how much it accepts: the body to send, and what it has then. Most clients that
+        #: follow a session share these.
         self.bodies: dict[tuple[object, ...], tuple[Body | None, NDArray[np.uint32]]] = {}
         self._changes: dict[int, Body] = {}  # by the number of updates
 
@@ -267,7 +267,8 @@ class GridLayer(Layer):
     ) -> bool:
         """Update the picture from an occupancy grid, ``whole`` or in a ``box`` (worker thread).
 
-        With ``cells``, arrays of ``row · cols + col``, only these of the box. Return whether a new epoch begins.
+        ``cells``, arrays of ``row · cols + col``, restricts it to these cells of the box. Returns whether a new epoch
+        begins.
         """
         picture, is_new = self._picture_of(grid.geometry, *picture_range(config))
         if whole or is_new:
@@ -289,9 +290,9 @@ class GridLayer(Layer):
     ) -> bool:
         """Set ``values`` (rows, cols), clipped to ``low`` … ``high`` (worker thread).
 
-        Only cells in ``box`` are looked at unless the picture is a new one; without it all are. A cell that is
-        ``missing`` (rows, cols) or NaN has no value. Return whether a new epoch begins. Raises :class:`ValueError` for
-        another shape than the geometry's, or unless ``low < high``.
+        Only cells in ``box`` (None: all) are read unless the picture is a new one. A cell that is ``missing`` (rows,
+        cols) or NaN has no value. Returns whether a new epoch begins. Raises :class:`ValueError` for another shape than
+        the geometry's, or unless ``low < high``.
         """
         if values.shape != geometry.shape or not low < high:
             raise ValueError(f"values of shape {values.shape}, {low} … {high}, do not fit a grid {geometry.shape}")
@@ -300,19 +301,19 @@ class GridLayer(Layer):
         return is_new
 
     def set_bytes(self, geometry: GridGeometry, values: NDArray[np.uint8]) -> bool:
-        """Set ``values`` (rows, cols) from 0 to 254, 255 for none; as :meth:`set`, without rounding (worker thread)."""
+        """Set ``values`` (rows, cols), 0 to 254, 255 for none; like :meth:`set`, without rounding (worker thread)."""
         if values.shape != geometry.shape or values.dtype != np.uint8:
             raise ValueError(f"values of shape {values.shape} {values.dtype} do not fit a grid {geometry.shape}")
-        # 255 becomes -128, which is no value.
+        # 255 becomes -128, which means no value.
         return self.set_cells(geometry, 0.0, 254.0, [(0, (values - np.uint8(127)).view(np.int8))])
 
     def set_cells(
         self, geometry: GridGeometry, low: float, high: float, bands: Iterable[tuple[int, NDArray[np.int8]]]
     ) -> bool:
-        """Set the cells of the picture themselves, in which −127 … 127 are ``low`` … ``high`` (worker thread).
+        """Set the cells of the picture directly; −127 and 127 are ``low`` and ``high`` (worker thread).
 
-        ``bands`` are the first row and the cells (rows, cols) of bands of whole tiles; −128 is no value. Return whether
-        a new epoch begins.
+        ``bands`` are the first row and the cells (rows, cols) of bands of whole tiles; −128 means no value. Returns
+        whether a new epoch begins.
         """
         picture, is_new = self._picture_of(geometry, low, high)
         for row0, cells in bands:
@@ -320,7 +321,7 @@ class GridLayer(Layer):
         return is_new
 
     def _picture_of(self, geometry: GridGeometry, low: float, high: float) -> tuple[TilePicture, bool]:
-        """Return the picture of this geometry and range to write, and whether it is a new one."""
+        """Return the picture of this geometry and range for writing, and whether it is a new one."""
         before = self._written
         if before is not None and before.shows(geometry, low, high):
             return before, False
@@ -328,7 +329,7 @@ class GridLayer(Layer):
         return self._written, True
 
     def publish(self) -> None:
-        """Publish the newest picture; its changes get a new revision."""
+        """Publish the newest picture. Its changes get a new revision."""
         self.picture = self._written
         if self.picture is not None:
             self.picture.publish()
@@ -336,7 +337,7 @@ class GridLayer(Layer):
         self._changes.clear()
 
     def changes(self, picture: TilePicture, updates: int) -> Body:
-        """Return a body with the cells that so many of the newest updates of the published ``picture`` changed."""
+        """Return a body with the cells changed by the last ``updates`` updates of the published ``picture``."""
         body = self._changes.get(updates)
         if body is None:
             count, parts = CHANGES.encode(picture.changes(updates))
@@ -344,21 +345,21 @@ class GridLayer(Layer):
         return body
 
     def cursor(self) -> GridCursor:
-        """Return the cursor of a client that has no tile."""
+        """Return the cursor of a client without tiles."""
         return GridCursor(self)
 
 
 class GridCursor(Cursor):
-    """Records the revision of each tile that a client was sent."""
+    """Records the revision of each tile that was sent to a client."""
 
     def __init__(self, layer: GridLayer) -> None:
         self._layer = layer
         self._picture: TilePicture | None = None
         self._announced: TilePicture | None = None
-        self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)  # never written: cursors share it
+        self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)  # never written, because cursors share it
 
     def _follow(self) -> TilePicture | None:
-        """Return the layer's picture; for a new picture, clear the record."""
+        """Return the layer's picture; clear the record if the picture is new."""
         picture = self._layer.picture
         if picture is not self._picture and picture is not None:
             self._picture = picture
@@ -366,7 +367,7 @@ class GridCursor(Cursor):
         return picture
 
     def is_behind(self) -> bool:
-        """Whether tiles have to be sent."""
+        """Return whether there are tiles to send."""
         picture = self._follow()
         if picture is None or self._has is picture.revision:
             return False
@@ -376,7 +377,7 @@ class GridCursor(Cursor):
         return False
 
     def dirty_tiles(self) -> int:
-        """Return the number of tiles that have to be sent to the client."""
+        """Return the number of tiles to send to the client."""
         picture = self._follow()
         return 0 if picture is None else int(np.count_nonzero(picture.revision != self._has))
 
@@ -389,13 +390,13 @@ class GridCursor(Cursor):
         return picture.message(layer)
 
     def resume(self, epoch: int, revision: int) -> None:
-        """Note that the client still has all tiles of ``epoch`` up to ``revision``."""
+        """Record that the client still has all tiles of ``epoch`` up to ``revision``."""
         picture = self._follow()
         if picture is not None and epoch == picture.epoch:
             self._has = np.where(picture.revision <= revision, picture.revision, self._has)
 
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - divided
-        """Return the changes of the newest updates, if the client has all before them and ``share`` bytes hold them.
+        """Return the changes of the newest updates, if the client has all earlier ones and they fit in ``share`` bytes.
 
         Otherwise return tiles of about ``share`` bytes, those nearest to ``focus_xy`` first.
         """
@@ -428,7 +429,10 @@ class GridCursor(Cursor):
 def _next_tiles(
     picture: TilePicture, has: NDArray[np.uint32], share: int, focus_xy: Point, *, always: bool
 ) -> tuple[Body | None, NDArray[np.uint32]]:
-    """Return the next tiles of a client with the revisions ``has``, as :meth:`Cursor.take`, and what it has then."""
+    """Return the next tiles for a client with the revisions ``has``, and its revisions after them.
+
+    The arguments are those of :meth:`Cursor.take`.
+    """
     order = picture.nearest_first(picture.revision != has, focus_xy)
     tiles: list[TilePayload] = []
     size = 0

@@ -1,8 +1,8 @@
 """The hub of a session, and its clients, one :class:`Client` for each browser.
 
-There is no queue of frames. For each client the hub keeps what it has of each layer, and one slot for each type of text
-message; the next frames are made from the newest state when they are sent. At most two batches of binary frames are
-unacknowledged, one if acknowledgements are slow, so a slow client gets fewer frames but no outdated ones.
+There is no queue of frames. For each client the hub stores what it has of each layer, and one slot for each type of
+text message; the next frames are created from the newest state when they are sent. At most two batches of binary frames
+are unacknowledged, one if acknowledgements are slow, so a slow client gets fewer frames but no outdated ones.
 
 This module does no I/O, and its clock is an argument: the route sends the bytes, and tests set the time.
 """
@@ -27,17 +27,17 @@ from server.stream.traffic import Traffic
 WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly
 SLOW_ACK_S = 0.150  #: acknowledgements slower than this halve the window
 PRESUMED_LATENCY_S = 1.0  #: assumed latency of a new client, until its acknowledgements are quicker
-HOLD_SHARE = 0.1  #: a slow client's next batch waits this share of its latency, so that it is recent when it is read
+HOLD_SHARE = 0.1  #: share of its latency that a slow client's next batch waits, so that it is recent when it is read
 MAX_HOLD_S = 0.1
-ACK_TIMEOUT_S = 30.0  #: a client that acknowledges nothing for this time is disconnected
-STALLED_S = 5.0  #: a client that acknowledges nothing for this time sees nothing: nothing is computed for it alone
+ACK_TIMEOUT_S = 30.0  #: a client without any acknowledgement for this time is disconnected
+STALLED_S = 5.0  #: a client without any acknowledgement for this time is stalled: nothing is computed for it alone
 FIRST_BATCH_BYTES = 16 * 1024
 MIN_BATCH_BYTES = 8 * 1024
 MAX_BATCH_BYTES = 256 * 1024
-MAX_TEXT_FRAMES = 16  #: text messages of which a hub keeps the encoded frame until the next tick
-MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
+MAX_TEXT_FRAMES = 16  #: maximum number of text messages whose encoded frame a hub keeps until the next tick
+MAX_ANSWERS = 64  #: maximum number of unsent answers and notices of one client; older ones are dropped
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
-#: For what is encoded at each tick: in a tenth of the time of Python's json. Frames and scans have no NaN.
+#: For messages encoded at each tick: ten times faster than Python's json. Frames and scans have no NaN.
 _JSON = msgspec.json.Encoder(enc_hook=float)
 _NOTHING = Body(TILES.kind, 0, 0, (), complete=False)
 
@@ -52,7 +52,7 @@ class Hub:
         traffic: Traffic | None = None,
         draw_on_demand: Callable[[], None] = lambda: None,
     ) -> None:
-        """``draw_on_demand`` is called when a layer that is written only while it is watched has to be drawn."""
+        """``draw_on_demand`` is called when a layer must be drawn that is written only while it is watched."""
         self.clock = clock
         self._draw_on_demand = draw_on_demand
         self.layers: tuple[Layer, ...] = ()
@@ -61,7 +61,7 @@ class Hub:
         self.slots: dict[str, str] = {}
         self.frame_number = 0  #: of the newest frame message; 0 before the first
         self.published_at = 0.0
-        self.settled = True  #: whether nothing changes: the newest frame message is then true now, not only at its tick
+        self.settled = True  #: whether nothing changes; the newest frame message is then valid now too
         self.scan_number = 0  #: of the newest scan; 0 before the first
         self.focus_xy = (0.0, 0.0)
         self._ids: dict[Layer, int] = {}
@@ -70,11 +70,11 @@ class Hub:
         self._scan: ScanFields | None = None
         self._scan_fields = ""
         self._texts: dict[bool, str] = {}  #: the frame message without and with the scan, while it is not settled
-        self._text_frames: dict[str, bytes] = {}  #: of text messages that were sent since the last frame
+        self._text_frames: dict[str, bytes] = {}  #: frames of text messages sent since the last frame
         self.set_layers(layers)
 
     def join(self, *, follows: bool = False, page: str = "") -> Client:
-        """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
+        """Return a new client, which will receive the complete state. ``follows`` is whether it belongs to a class."""
         client = Client(self, follows=follows, page=page)
         self.clients.add(client)
         self.note_watched()
@@ -86,21 +86,21 @@ class Hub:
         self.note_watched()
 
     def of_page(self, page: str) -> Client | None:
-        """Return the client of the page that has this name, None where there is none."""
+        """Return the client of the page with this name, None if there is none."""
         return next((client for client in self.clients if page and client.page == page), None)
 
     @property
     def has_room(self) -> bool:
-        """Whether some client may be sent a frame."""
+        """Whether a frame may be sent to any client."""
         return any(client.has_room for client in self.clients)
 
     @property
     def has_acknowledged(self) -> bool:
-        """Whether some client has acknowledged all that it was sent."""
+        """Whether any client has acknowledged everything that was sent to it."""
         return any(not client.unacknowledged for client in self.clients)
 
     def note_watched(self) -> None:
-        """Tell each layer whether a client is sent it."""
+        """Update for each layer whether it is sent to any client."""
         for number, layer in enumerate(self.layers):
             was_watched = layer.is_watched
             layer.is_watched = any(client.wants(layer.name, is_first=number == 0) for client in self.clients)
@@ -108,7 +108,7 @@ class Hub:
                 self._draw_on_demand()
 
     def set_layers(self, layers: Sequence[Layer]) -> None:
-        """Set the layers, in this order. Raises :class:`ValueError` if two have one name."""
+        """Set the layers, in this order. Raises :class:`ValueError` if two have the same name."""
         if self.layers == (*layers,) and "layers" in self.slots:
             return
         if len({layer.name for layer in layers}) < len(layers):
@@ -130,7 +130,7 @@ class Hub:
         return self._ids[layer]
 
     def set_slot(self, message: Struct) -> None:
-        """Set ``message`` as the newest of its type, to be sent once to each client."""
+        """Set ``message`` as the newest of its type, to send once to each client."""
         kind = type_of(message)
         self.slots[kind] = encode_text(message)
         for client in self.clients:
@@ -145,8 +145,8 @@ class Hub:
     def publish(self, frame: FrameMessage, scan: ScanFields, focus_xy: tuple[float, float], *, settled: bool) -> None:
         """Set ``frame`` (without time and scan) as the newest frame message, and publish the changes of the layers.
 
-        ``scan`` has the fields that are sent only if it is another object than at the client's last frame;
-        ``focus_xy`` is the point, map metres, whose nearest tiles are sent first.
+        ``scan`` has the fields that are sent only if it is another object than at the client's last frame. ``focus_xy``
+        is the point, map metres, whose nearest tiles are sent first.
         """
         for layer in self.layers:
             layer.publish()
@@ -162,11 +162,11 @@ class Hub:
         self._texts.clear()
         self._text_frames.clear()
         for client in self.clients:
-            if client.has_room:  # the others get it with the next acknowledgement
+            if client.has_room:  # the others receive it after the next acknowledgement
                 client.notify()
 
     def frame_text(self, *, with_scan: bool = True) -> str:
-        """Return the newest frame message, with the time at which it was last true."""
+        """Return the newest frame message, with the time at which it was last valid."""
         text = None if self.settled else self._texts.get(with_scan)
         if text is None:
             assert self._frame is not None  # noqa: S101 - asked for once there is a frame message
@@ -189,17 +189,17 @@ class Hub:
 
 
 class Client:
-    """One browser: what it has received, what it has not yet acknowledged, and what has to be sent to it."""
+    """One browser: what it has received, what it has not yet acknowledged, and what must be sent to it."""
 
     def __init__(self, hub: Hub, *, follows: bool = False, page: str = "") -> None:
         self.hub = hub
-        self.follows = follows  #: whether it is a follower's of a class
-        self.page = page  #: the name that the page gave itself; empty for none
-        self.selected: tuple[float, float] | None = None  #: the place that is marked in its 3D views, map metres
-        self.measured: MeasureCommand | None = None  #: what its page measures; None: nothing
+        self.follows = follows  #: whether it is a follower of a class
+        self.page = page  #: the name that the page chose; empty for none
+        self.selected: tuple[float, float] | None = None  #: the place marked in its 3D views, map metres
+        self.measured: MeasureCommand | None = None  #: the measurement of its page; None for none
         self.wake = asyncio.Event()
         self.wake.set()
-        self.on_wake: Callable[[], None] = self.wake.set  #: called when there may be something to :meth:`take`
+        self.on_wake: Callable[[], None] = self.wake.set  #: called when :meth:`take` may have something to return
         self.unsent: set[str] = set(hub.slots)
         self._answers: deque[str] = deque(maxlen=MAX_ANSWERS)
         self._wanted: frozenset[str] | None = None  #: names of layers; None before the first ``subscribe``
@@ -210,14 +210,14 @@ class Client:
         self._batch = 0
         self._unacknowledged: deque[tuple[int, float]] = (
             deque()
-        )  #: of each batch its last number, and the time at which it was sent
-        self._latency = PRESUMED_LATENCY_S  #: of acknowledgements: rises at once, falls slowly
+        )  #: last number of each batch, and the time at which it was sent
+        self._latency = PRESUMED_LATENCY_S  #: of acknowledgements; rises immediately, falls slowly
         self._least_latency = float("inf")
         self._batch_bytes = FIRST_BATCH_BYTES
         self._fresh_after = 0.0
 
     def notify(self) -> None:
-        """Say that there may be something to :meth:`take`."""
+        """Signal that :meth:`take` may have something to return."""
         self.on_wake()
 
     @property
@@ -226,7 +226,7 @@ class Client:
         return self._latency > SLOW_ACK_S
 
     def send(self, message: Struct) -> None:
-        """Send an answer or a notice to this client alone."""
+        """Send an answer or a notice to this client only."""
         self._answers.append(encode_text(message))
         self.notify()
 
@@ -236,14 +236,14 @@ class Client:
         self.notify()
 
     def subscribe(self, names: Sequence[str]) -> None:
-        """Send only the layers of these names from now on; a name takes effect when a layer has it."""
+        """From now on, send only the layers with these names. A name takes effect when a layer has it."""
         self._wanted = frozenset(names)
         self.keep_only([layer for layer in self.hub.layers if layer.name in self._wanted])
         self.hub.note_watched()
         self.notify()
 
     def wants(self, name: str, *, is_first: bool) -> bool:
-        """Return whether the client is sent the layer of this name, or the first one before it has subscribed."""
+        """Return whether a layer of this name is sent to the client; before it subscribes, only the first one is."""
         return is_first if self._wanted is None else name in self._wanted
 
     def keep_only(self, layers: Sequence[Layer]) -> None:
@@ -251,7 +251,7 @@ class Client:
         self._cursors = {layer: cursor for layer, cursor in self._cursors.items() if layer in layers}
 
     def resume(self, name: str, epoch: int, revision: int) -> None:
-        """Note that the client still has a layer's ``epoch`` up to ``revision`` from an earlier connection."""
+        """Record that the client still has a layer's ``epoch`` up to ``revision`` from an earlier connection."""
         for layer in self.hub.layers:
             if layer.name == name:
                 self._cursor(layer).resume(epoch, revision)
@@ -263,21 +263,21 @@ class Client:
         return cursor
 
     def _shown(self) -> list[tuple[Layer, Cursor]]:
-        """Return the layers that are sent to the client."""
+        """Return the layers sent to the client."""
         if self._wanted is None:
             return [(layer, self._cursor(layer)) for layer in self.hub.layers[:1]]
         return [(layer, self._cursor(layer)) for layer in self.hub.layers if layer.name in self._wanted]
 
     def acknowledge(self, seq: int) -> None:
-        """Note that the frames up to ``seq`` were painted. Raises :class:`ProtocolError` if ``seq`` was not sent."""
+        """Record that the frames up to ``seq`` were painted. Raises :class:`ProtocolError` if ``seq`` was not sent."""
         if seq > self._seq or seq < 0:
             raise ProtocolError("command.seq", f"Frame {seq} was not sent; the newest is {self._seq}.")
         now = self.hub.clock()
         while self._unacknowledged and self._unacknowledged[0][0] <= seq:
             latency = now - self._unacknowledged.popleft()[1]
             self._measure(latency)
-            # A client that paints at intervals has just painted: a frame made before this time would be older than a
-            # whole period at its next painting. A share of the period is left for uneven clocks and connections.
+            # A client that paints at intervals has just painted. A frame created before this time would be older than a
+            # whole period at its next repaint. A share of the period is reserved for uneven clocks and connections.
             self._fresh_after = now + (min(MAX_HOLD_S, HOLD_SHARE * latency) if self.is_slow else 0.0)
         if self.hub.settled or self._may_send_batch(self._shown()):
             self.notify()
@@ -303,12 +303,12 @@ class Client:
 
     @property
     def unacknowledged(self) -> int:
-        """Number of batches that were sent and not acknowledged."""
+        """Number of sent, unacknowledged batches."""
         return len(self._unacknowledged)
 
     @property
     def dirty_tiles(self) -> int:
-        """Number of tiles that have to be sent to the client."""
+        """Number of tiles to send to the client."""
         return sum(cursor.dirty_tiles() for _, cursor in self._shown())
 
     def take(self) -> list[str | bytes]:
@@ -337,13 +337,14 @@ class Client:
         if self._unacknowledged:
             return max(0.0, self._unacknowledged[0][1] + ACK_TIMEOUT_S - now) + 0.01
         if self.hub.settled and self._wants_batch(self._shown()):
-            # Not negative: the time may have passed since take() was called, and nothing else would wake the client.
+            # Not negative, because the time may have passed since take() was called, and nothing else would wake the
+            # client.
             return max(0.0, self._fresh_after - now)
         return 3600.0
 
     @property
     def has_room(self) -> bool:
-        """Whether fewer batches are unacknowledged than may be."""
+        """Whether another batch may be sent."""
         return len(self._unacknowledged) < (1 if self.is_slow else WINDOW)
 
     def _may_send_batch(self, shown: Sequence[tuple[Layer, Cursor]]) -> bool:

@@ -2,7 +2,7 @@
 
 A layer is written on a worker thread. Its changes take effect with :meth:`Layer.publish`, which the hub calls on the
 event loop while the worker does not run. Content is encoded once for all clients; a :class:`Cursor` records what one
-client has of a layer. Points, paths and graphs are always sent as a whole; :mod:`server.stream.grid_layer` has grids.
+client has of a layer. Points, paths and graphs are always sent in full; grids are in :mod:`server.stream.grid_layer`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """The encoded body of a frame, with the fields of its header; ``tiles`` is the number of tiles in it."""
+    """The encoded body of a frame, with the fields of its header; ``tiles`` is the number of its tiles."""
 
     kind: int
     epoch: int
@@ -41,34 +41,34 @@ class Cursor(ABC):
 
     @abstractmethod
     def is_behind(self) -> bool:
-        """Whether the client has not yet been sent the newest content."""
+        """Return whether there is newer content than the client was sent."""
 
     @abstractmethod
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:
         """Return the next body, and mark it as sent.
 
-        A layer that can be divided gives about ``share`` bytes; another at most ``room`` bytes, else None, unless
-        ``always``. Tiles nearest to ``focus_xy``, map metres, are sent first.
+        A layer that can be divided returns about ``share`` bytes. Other layers return at most ``room`` bytes, otherwise
+        None, unless ``always``. Tiles nearest to ``focus_xy``, map metres, are sent first.
         """
 
     def announcement(self, layer: int) -> Geometry | None:  # noqa: ARG002 - most have none
-        """Return the message that has to be sent once before the next frame of the layer with the id ``layer``."""
+        """Return the message to send once before the next frame of the layer with the id ``layer``."""
         return None
 
     def resume(self, epoch: int, revision: int) -> None:  # noqa: B027 - nothing to do for content that is always sent whole
-        """Note that the client still has ``epoch`` up to ``revision`` from an earlier connection."""
+        """Record that the client still has ``epoch`` up to ``revision`` from an earlier connection."""
 
     def empty(self) -> Body | None:
         """Return a body without content; None if the codec has none."""
         return None
 
     def dirty_tiles(self) -> int:
-        """Return the number of tiles that have to be sent to the client."""
+        """Return the number of tiles to send to the client."""
         return 0
 
 
 class Layer(ABC):
-    """A named layer. ``style`` names the palette or overlay with which pages paint it.
+    """A named layer. ``style`` is the palette or overlay that pages use for it.
 
     ``columns`` are the names of the columns of its table: ``x``, ``y`` (map metres) and more, such as ``yaw``
     (radians), ``value`` or ``stamp`` (seconds).
@@ -82,11 +82,11 @@ class Layer(ABC):
         self.style = style
         self.columns = tuple(columns)
         self.codec = CODECS[self.kind]
-        self.is_watched = False  #: whether a client is sent the layer (set on the event loop)
+        self.is_watched = False  #: whether the layer is sent to any client (set on the event loop)
         self.is_on_demand = False  #: whether it is written only while it is watched
 
     def info(self, layer: int) -> LayerInfo:
-        """Return the entry of the message ``layers`` for the layer, whose id is ``layer``."""
+        """Return the entry of the ``layers`` message for the layer, whose id is ``layer``."""
         return LayerInfo(layer, self.name, self.kind, self.title, self.style, list(self.columns))
 
     @abstractmethod
@@ -95,11 +95,11 @@ class Layer(ABC):
 
     @abstractmethod
     def cursor(self) -> Cursor:
-        """Return the cursor of a client that has nothing (event loop)."""
+        """Return the cursor of a client without content (event loop)."""
 
 
 class WholeLayer(Layer):
-    """A layer whose content is always sent as a whole and replaces the older content."""
+    """A layer whose content is always sent in full and replaces the older content."""
 
     def __init__(self, name: str, title: str, style: str, columns: Sequence[str]) -> None:
         super().__init__(name, title, style, columns)
@@ -164,14 +164,14 @@ class GraphLayer(WholeLayer):
 
 
 class WholeCursor(Cursor):
-    """Records the content that a client was sent last."""
+    """Records the content that was last sent to a client."""
 
     def __init__(self, layer: WholeLayer) -> None:
         self._layer = layer
         self._has = 0
 
     def is_behind(self) -> bool:
-        """Whether there is newer content than the client was sent."""
+        """Return whether there is newer content than the client was sent."""
         return self._has != self._layer.number
 
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - undivided

@@ -1,4 +1,4 @@
-"""The objects and types that the text messages of :mod:`server.stream.messages` contain, each stated once."""
+"""The objects and types contained in the text messages of :mod:`server.stream.messages`, each defined once."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Place = Annotated[
 ]
 Value = Annotated[float | str | bool, Meta(title="Value", description="value of a parameter")]
 Values = Annotated[dict[str, Value], Meta(title="Values", description="parameters by name")]
-#: those of a command, as they were given: the table of the parameters checks them, and names the one that is wrong
+#: unchecked values of a command; the parameter table validates them and names the invalid one
 UncheckedValues = Annotated[
     dict[str, Any],
     Meta(title="Values", description="parameters by name", extra_json_schema={"additionalProperties": schema(Value)}),
@@ -58,7 +58,7 @@ StateCounts = Annotated[tuple[int, int, int], Meta(title="StateCounts", descript
 
 
 class Part(Struct):
-    """Base of the objects that messages contain."""
+    """Base class of the objects that messages contain."""
 
 
 class Parameter(Part):
@@ -79,14 +79,14 @@ class Parameter(Part):
 
 
 def rows_of(table: Iterable[TableRow], first: object = None) -> list[Parameter]:
-    """Return the rows of a table of parameters; ``first`` has other initial values than those of the rows."""
+    """Return the rows of a parameter table; ``first`` has initial values that replace those of the rows."""
     return [
         Parameter(**asdict(row if first is None else replace(row, initial=getattr(first, row.name)))) for row in table
     ]
 
 
 class Table(Part):
-    """A parameter table and its present values."""
+    """A parameter table and its current values."""
 
     table: Annotated[list[Parameter], Meta(description="one row for each parameter")]
     values: Annotated[Values, Meta(description="present values")]
@@ -227,7 +227,7 @@ class LayerInfo(Part):
 
 
 class ColourScale(Part):
-    """The numbers at the ends of a scale of colours; what is beyond them has the colours of the ends."""
+    """The values at the ends of a colour scale. Values beyond them have the colours of the ends."""
 
     low: Annotated[float, Meta(description="at the beginning")]
     high: Annotated[float, Meta(description="at the end")]
@@ -248,7 +248,7 @@ class VolumeChanges(Part):
 
 
 class VoxelPoint(Struct):
-    """The measured point in a voxel that is nearest to the line of sight, or to the place that was asked about."""
+    """The measured point in a voxel that is nearest to the line of sight, or to the queried place."""
 
     place: Annotated[Place, Meta(description="where it is, m")]
     scan: Annotated[int, Meta(description="number of its scan, from 1")]

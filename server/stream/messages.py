@@ -1,8 +1,8 @@
-"""The text messages from the server to the browser, each stated once.
+"""The text messages from the server to the browser, each defined once.
 
 :mod:`server.stream.generate` writes the JSON Schema, the TypeScript types and validators, and ``docs/wire.md`` from
-these classes and those of the parts (:mod:`server.parts.wire`). A field whose default is ``UNSET`` may be left out of
-the message. Angles are in radians, lengths in metres, times in seconds; poses are ``[x, y, yaw]`` in the map frame.
+these classes and those of the parts (:mod:`server.parts.wire`). A field whose default is ``UNSET`` may be omitted.
+Angles are in radians, lengths in metres, times in seconds; poses are ``[x, y, yaw]`` in the map frame.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Hello(Struct, tag_field="type", tag="hello"):
 
 
 class ForeignHello(Struct, tag_field="type", tag="hello"):
-    """The whole message to a page of another version of the protocol, which it asks to be loaded again."""
+    """The whole message to a page with another protocol version, which makes the page reload."""
 
     protocol: str
 
@@ -77,7 +77,7 @@ class LayersMessage(Struct, tag_field="type", tag="layers"):
 class Geometry(Struct, tag_field="type", tag="geometry"):
     """The grid to which the tiles of an epoch belong. Tiles of another epoch are ignored.
 
-    Sent before the first tiles of an epoch, of each grid that the page has subscribed to.
+    Sent before the first tiles of an epoch, for each grid that the page has subscribed to.
     """
 
     layer: Annotated[int, Meta(description="id of the layer")]
@@ -117,7 +117,7 @@ class FrameMessage(ScanFields, tag_field="type", tag="frame", kw_only=True):
     """Newest state of the session, sent directly before the tiles of the same instant.
 
     The fields of the scan (`scan_pose`, `believed_scan_pose`, `ranges`, `angle_min`, `angle_increment`, `bearings`,
-    `beam_width`, `range_max`) are sent only with a new scan: if `ranges` is missing, all of them are unchanged.
+    `beam_width`, `range_max`) are sent only with a new scan. If `ranges` is missing, all of them are unchanged.
     """
 
     t: Annotated[float, Meta(description="monotonic clock of the server, s; for measuring the age of the frame")]
@@ -148,7 +148,7 @@ class Trajectory(Struct, tag_field="type", tag="trajectory"):
 
 
 class ParametersMessage(Struct, tag_field="type", tag="parameters"):
-    """Present parameters, sent after each change and after a refused change."""
+    """Current parameters, sent after each change and after a refused change."""
 
     values: Annotated[Values, Meta(description="mapping parameters")]
     sensor: Annotated[Values | None, Meta(description="simulated sensor; null if there is none")]
@@ -264,7 +264,7 @@ class WhyMessage(Struct, tag_field="type", tag="why"):
 
 
 class PickedMessage(Struct, tag_field="type", tag="picked"):
-    """Logs: what was clicked in a 3D view of the session. Sent to the page that the view is in."""
+    """Logs: the object that was clicked in a 3D view of the session. Sent to the page of that view."""
 
     what: Annotated[
         Literal["loop", "pose", "cell"],
@@ -280,7 +280,7 @@ class PickedMessage(Struct, tag_field="type", tag="picked"):
 
 
 class PlaceMessage(Struct, tag_field="type", tag="place"):
-    """Answer to a click into a 3D view of a page that measures: what is there."""
+    """Answer to a click in a 3D view of a page that measures: the object at that place."""
 
     x: Annotated[float, Meta(description="x of the place in the map frame, m")]
     y: Annotated[float, Meta(description="y of the place in the map frame, m")]

@@ -5,10 +5,10 @@ A page opens one WebSocket for each session that it shows, `/api/sessions/{id}/s
 
 ## Layers
 
-A session has a set of named layers: grids, points, paths and graphs. The message `layers` lists them, at the start and
-whenever the set changes. The command `subscribe` selects layers by name; before it the first layer is sent. A name that
-is not in the list yet takes effect when a layer has it. A layer that is left out of a later `subscribe` is sent whole
-when it is selected again. The id of a layer is unique during the session.
+A session has a set of named layers: grids, points, paths and graphs. The `layers` message lists them, at the start and
+whenever the set changes. The `subscribe` command selects layers by name; before it, the first layer is sent. A name
+that is not in the list yet takes effect when a layer has it. A layer that is omitted from a later `subscribe` is sent
+in full when it is selected again. The id of a layer is unique during the session.
 
 ## Binary frames
 
@@ -30,13 +30,13 @@ of the columns are in the message `layers`.
 
 A tile is 64 x 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A value
 q from -127 to +127 represents `low + (q + 127) / 254 * (high - low)`, with the limits of the layer's message
-`geometry`; -128 is a cell without a value. In a layer of the style `belief` the values are log-odds, and -128 is a cell
-that was never observed; of the values that give the cell's own state (free, unknown, occupied), q is the nearest to the
-cell's log-odds. `epoch` changes with the geometry: tiles of an older epoch are ignored. Tiles that were never sent
-have no values. To a browser that has all tiles, a few changed cells are sent as changes instead: `place` is the cell's
-row times 64 plus its column within the tile, `value` its new value, and `revision` that of all these tiles with them.
+`geometry`; -128 means no value. In a layer of the style `belief` the values are log-odds, and -128 is a cell that was
+never observed; of the values that give the cell's own state (free, unknown, occupied), q is the nearest to the cell's
+log-odds. `epoch` changes with the geometry; tiles of an older epoch are ignored. Tiles that were never sent have no
+values. To a browser that has all tiles, a few changed cells are sent as changes instead: `place` is the cell's row
+times 64 plus its column within the tile, `value` its new value, and `revision` that of all these tiles with them.
 
-A table or a graph is the whole content of its layer; `epoch` is the number of that content. NaN is no value.
+A table or a graph is the whole content of its layer; `epoch` is the number of that content. NaN means no value.
 
 ## Flow control
 
@@ -50,18 +50,17 @@ layer that has waited longest comes first.
 
 ## Text frames
 
-Text frames are JSON objects with a `type`. NaN and infinities are not allowed. A page ignores unknown
-fields; for an unknown `type` or session kind it shows a request to reload the page. A command has at most 64 KiB; a
-malformed one is answered with an `error` whose code is `command.` and the name of the field.
+Text frames are JSON objects with a `type`. NaN and infinities are not allowed. A page ignores unknown fields; for an
+unknown `type` or session kind it shows a request to reload the page. A command has at most 64 KiB; a malformed one is
+answered with an `error` whose code is `command.` and the name of the field.
 
 ## Classes
 
 A page of a class opens `/api/classes/{code}/stream` with the same subprotocol, a page that follows it with
-`?follows=true`, also in the lecturer's browser. Only text frames go over it, those of
-the sections on classes below. Of each type a follower gets the newest message; none waits in a queue. The session
-that the lecturer shows is watched at `/api/classes/{code}/session`, as any other session; commands are answered with
-the error `class.read_only`, except those that drive the robot from the follower to whom it was handed. The `hello` of
-such a connection has no `session`.
+`?follows=true`, also in the lecturer's browser. Only text frames go over it, those of the sections on classes below. Of
+each type a follower gets the newest message; none waits in a queue. The session that the lecturer shows is watched at
+`/api/classes/{code}/session`, as any other session; commands are answered with the error `class.read_only`, except
+those that drive the robot from the follower to whom it was handed. The `hello` of such a connection has no `session`.
 """
 
 from __future__ import annotations
@@ -99,14 +98,14 @@ def encode_text(message: Struct) -> str:
 
 
 def fields_of(command: Struct) -> dict[str, Any]:
-    """Return the fields of a command as plain data, its ``type`` among them, without those that are None."""
+    """Return the fields of a command as plain data, including its ``type``, without those that are None."""
     return {name: value for name, value in msgspec.to_builtins(command).items() if value is not None}
 
 
 def place_of(command: Struct) -> tuple[float, ...] | None:
-    """Return the place that a command names, x, y and the z that some have, metres; None for one without x.
+    """Return the place in a command, x, y and sometimes z, metres; None for a command without x.
 
-    Raises :class:`ProtocolError` for one with x and without the others.
+    Raises :class:`ProtocolError` for a command with x but without the others.
     """
     if getattr(command, "x", None) is None:
         return None
@@ -120,7 +119,7 @@ def place_of(command: Struct) -> tuple[float, ...] | None:
 
 
 def type_of(message: Struct) -> str:
-    """Return the ``type`` of a message or a command; of a command that no client sends, the name of its class."""
+    """Return the ``type`` of a message or a command; for a command that no client sends, the name of its class."""
     return str(message.__struct_config__.tag or type(message).__name__)
 
 
@@ -137,10 +136,10 @@ Columns = NDArray[np.float32]  #: (columns, rows of the table)
 
 
 class CellChanges(NamedTuple):
-    """Changes of single cells of the preceding revision, by tile, shared by all clients.
+    """Changes of single cells since the previous revision, by tile, shared by all clients.
 
-    ``tiles`` (k, 4) int16: tx, ty, number of cells, 0; of each cell ``places`` (n,) uint16, ``row · 64 + col`` within
-    its tile, and ``values`` (n,) int8. All tiles have ``revision`` with them.
+    ``tiles`` (k, 4) int16: tx, ty, number of cells, 0. For each cell: ``places`` (n,) uint16, ``row · 64 + col`` within
+    its tile, and ``values`` (n,) int8. After them all tiles have ``revision``.
     """
 
     revision: int
@@ -150,7 +149,7 @@ class CellChanges(NamedTuple):
 
 
 class TilePayload(NamedTuple):
-    """One compressed tile as it is sent, shared by all clients."""
+    """One compressed tile as sent, shared by all clients."""
 
     tx: int
     ty: int
@@ -215,12 +214,12 @@ TILES: Codec[Sequence[TilePayload]] = Codec(1, _encode_tiles)
 TABLE: Codec[Columns] = Codec(2, _encode_table)
 GRAPH: Codec[Graph] = Codec(3, _encode_graph)
 CHANGES: Codec[CellChanges] = Codec(4, _encode_changes)
-#: Of whole content, by the ``kind`` of a layer.
+#: For complete content, by the ``kind`` of a layer.
 CODECS: dict[str, Codec[Any]] = {"grid": TILES, "points": TABLE, "path": TABLE, "graph": GRAPH}
 
 
 def join_frame(
     kind: int, layer: int, epoch: int, seq: int, count: int, parts: Sequence[bytes], *, complete: bool
 ) -> bytes:
-    """Return a binary frame made of the ``count`` and the ``parts`` of a body that a codec has encoded."""
+    """Return a binary frame from the ``count`` and the ``parts`` of a body that a codec has encoded."""
     return b"".join((HEADER.pack(kind, FLAG_COMPLETE if complete else 0, layer, epoch, seq, count), *parts))

@@ -1,4 +1,4 @@
-"""Counts of what the streams send. The service has them from its start, before it imports the hub."""
+"""Counts of the data that the streams send. The service needs them at its start, before it imports the hub."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""A lock that is granted in rotation to the addresses that wait, and to the waiting owners of each.
+"""A lock that is granted in rotation to the waiting addresses, and to the waiting owners of each.
 
-So no owner's queue starves another's, nor do the owners that one client makes by dropping its cookie.
+No owner's queue can therefore starve another's, nor can the owners that a client creates by dropping its cookie.
 """
 
 from __future__ import annotations
@@ -12,25 +12,25 @@ from contextlib import asynccontextmanager
 
 
 class FairLock:
-    """A lock that ``places`` may hold at once, with a queue for each owner of each address.
+    """A lock with ``places`` simultaneous holders, and a queue for each owner of each address.
 
     Used from one event loop only.
     """
 
     def __init__(self, places: int = 1) -> None:
-        self._places = self._free = places  #: free is negative where more hold it than may
+        self._places = self._free = places  #: free is negative while there are more holders than places
         #: by address and owner, the next ones first
         self._waiting: dict[str, dict[str, deque[asyncio.Future[None]]]] = {}
 
     def resize(self, places: int) -> None:
-        """Let ``places`` hold it at once; who holds it keeps it."""
+        """Set the number of holders to ``places``. Current holders keep it."""
         self._free += places - self._places
         self._places = places
         self._grant()
 
     @asynccontextmanager
     async def of(self, owner: str, address: str = "") -> AsyncIterator[None]:
-        """Acquire the lock for ``owner``, a client of this network ``address``, and hold it during the block."""
+        """Acquire the lock for ``owner``, a client at this network ``address``, and hold it during the block."""
         if self._free <= 0:
             request: asyncio.Future[None] = asyncio.get_running_loop().create_future()
             self._waiting.setdefault(address, {}).setdefault(owner, deque()).append(request)
@@ -48,7 +48,7 @@ class FairLock:
             self._release()
 
     def keeps_waiting(self, owner: str) -> bool:
-        """Return whether anybody but ``owner`` waits for the lock."""
+        """Return whether anyone other than ``owner`` waits for the lock."""
         return any(waits != owner for owners in self._waiting.values() for waits in owners)
 
     def _release(self) -> None:
@@ -56,7 +56,7 @@ class FairLock:
         self._grant()
 
     def _grant(self) -> None:
-        """Grant what is free to the oldest request of the first owner of the first address, and put both last."""
+        """Grant free places to the oldest request of the first owner of the first address, and move both to the end."""
         while self._free > 0 and self._waiting:
             address = next(iter(self._waiting))
             owners = self._waiting.pop(address)

@@ -1,4 +1,4 @@
-"""A timer whose time changes more often than it ends."""
+"""A timer that is rescheduled more often than it fires."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 
 class MovableTimer:
-    """Calls ``callback`` once when the time that was set last has come (event loop).
+    """Calls ``callback`` once at the time that was set last (event loop).
 
-    A later time, or none, leaves the event loop's own timer as it is: that one looks at the time when it ends, and is
-    made again for the rest. Timers made and cancelled at each frame of each session cost several times as much.
+    A later time, or none, does not change the event loop's own timer, which checks the time when it fires and is
+    renewed for the rest. Creating and cancelling timers at each frame of each session costs several times as much.
     """
 
     def __init__(self, callback: Callable[[], None]) -> None:
@@ -20,7 +20,7 @@ class MovableTimer:
         self._handle: asyncio.TimerHandle | None = None
 
     def set(self, due: float | None) -> None:
-        """Call at ``due``, a time of the event loop, instead of before; None: not at all."""
+        """Call at ``due``, a time of the event loop, instead of the earlier one; None cancels the call."""
         self._due = due
         if due is None or (self._handle is not None and self._handle.when() <= due):
             return
@@ -28,11 +28,11 @@ class MovableTimer:
         self._due, self._handle = due, self._loop.call_at(due, self._look)
 
     def set_in(self, seconds: float) -> None:
-        """Call in ``seconds`` from now instead."""
+        """Call ``seconds`` from now instead."""
         self.set(self._loop.time() + seconds)
 
     def close(self) -> None:
-        """Do not call any more, and keep no timer of the event loop."""
+        """Cancel the call and the event loop's timer."""
         self._due = None
         if self._handle is not None:
             self._handle.cancel()

@@ -1,18 +1,18 @@
 """Fair scheduling of computations in time slices of :data:`SLICE_S`, by address and by visitor.
 
 A job holds a turn while it computes. At its checkpoints it yields the turn if the turn has lasted a slice and other
-jobs wait, and at once if its address holds at least two turns more than that of an urgent job that waits. The next turn
-goes to the waiting address that holds the fewest turns, on a tie to the one served least recently; within an address
-the same rules hold for its visitors. A visitor's jobs therefore share the visitor's part, and the visitors behind one
+jobs wait, and immediately if its address holds at least two turns more than that of a waiting urgent job. The next turn
+goes to the waiting address that holds the fewest turns, on a tie to the one served least recently. Within an address
+the same rules apply to its visitors. A visitor's jobs therefore share the visitor's part, and the visitors behind one
 address share the part of the address.
 
 A job is urgent while it is interactive (a user waits for it) and has computed for at most :data:`URGENT_S`. Other jobs
-are deferred while an urgent one computes or waits: the threads of this process share the interpreter and the cores.
-They still get one slice after each :data:`DEFERRED_EVERY_S` of urgent computing. Urgent jobs of an address that
-computed much recently are also deferred while an urgent one of an address that computed much less computes or waits.
+are deferred while an urgent one computes or waits, because the threads of this process share the interpreter and the
+cores. They still get one slice after each :data:`DEFERRED_EVERY_S` of urgent computing. Urgent jobs of an address that
+computed much recently are also deferred while an urgent job of an address that computed much less computes or waits.
 
-While several turns are held, only the address that has computed least recently may use more than one core for its turn:
-a map that a user waits for is then made as when the user is alone, except that one core is shared.
+While several turns are held, only the address that has computed least recently may use more than one core for its turn.
+A map that a user waits for is then computed as if the user were alone, except that one core is shared.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ SLICE_S = 0.05  #: length of a turn while others wait
 URGENT_S = 0.4  #: computing time for which a job stays urgent
 DEFERRED_EVERY_S = 0.2  #: urgent computing after which a deferred job gets a slice
 _MAX_HISTORY = 1024  #: addresses and visitors whose last turn is recorded
-RECENT_S = 5.0  #: time after which computing counts 1 / e of what it did
-HEAVY_S = 1.0  #: recent computing of an address from which on much less of another address counts
-LIGHTER = 0.5  #: recent computing of an address that is much less, as a share of the other's
+RECENT_S = 5.0  #: time after which computing counts by a factor of 1 / e
+HEAVY_S = 1.0  #: recent computing of an address above which much less of another address matters
+LIGHTER = 0.5  #: share of the other address's recent computing that counts as much less
 _MAX_ADDRESSES = 1024
 
 
@@ -54,7 +54,7 @@ class JobOwner:
 
 @dataclass(slots=True, eq=False)
 class Task:
-    """Computation of a turn on a thread of ``pool``, and the future of ``loop`` that waits for it."""
+    """Computation of a turn on a thread of ``pool``, and the future of ``loop`` for its result."""
 
     pool: Executor
     job: Callable[[], Any]
@@ -62,7 +62,7 @@ class Task:
     done: asyncio.Future[Any]
 
     def compute(self) -> Finished:
-        """Compute it; an error is part of the result."""
+        """Run the job. An error is part of the result."""
         try:
             return Finished(self.done, self.job(), None)
         except BaseException as error:  # noqa: BLE001 - whoever waits for the job gets it
@@ -71,14 +71,14 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """Result of a job, or the error that it raised, for the future that waits for it."""
+    """Result of a job, or the error that it raised, for the future of its caller."""
 
     done: asyncio.Future[Any]
     result: Any
     error: BaseException | None
 
     def tell(self) -> None:
-        """Set the future (event loop), unless the wait for it was cancelled."""
+        """Set the future (event loop), unless it was cancelled."""
         if self.done.done():
             return
         if self.error is None:
@@ -94,26 +94,26 @@ class Turn:
     owner: JobOwner
     interactive: bool
     number: int
-    request: Future[None] | None = None  #: done when the turn is granted; None while nobody waits for that
-    began: float = 0.0  #: when the slice began
+    request: Future[None] | None = None  #: done when the turn is granted; None if nothing waits for it
+    began: float = 0.0  #: start of the slice
     computed_s: float = 0.0
     was_deferred: bool = False  #: whether the slice was granted while urgent jobs waited or ran
-    granted_before: bool = False  #: whether a slice of it was granted
-    task: Task | None = None  #: what :meth:`Scheduler.run` computes in it; None: whoever requested it computes
+    granted_before: bool = False  #: whether it was granted a slice before
+    task: Task | None = None  #: what :meth:`Scheduler.run` computes in it; None: its requester computes
 
     @property
     def granted(self) -> Future[None]:
-        """Done once the turn is held. A turn that was requested for a task has it after its first slice only."""
+        """Done once the turn is held. A turn requested for a task has this only after its first slice."""
         if self.request is None:
             raise RuntimeError("nobody waits for this turn")
         return self.request
 
 
 class _ServiceOrder(Generic[K]):
-    """Keys that wait, the one served least recently first; of those never served, the one that has waited longest."""
+    """Waiting keys, the one served least recently first; of those never served, the one that has waited longest."""
 
     def __init__(self) -> None:
-        self._order: list[tuple[int, int, K]] = []  #: when it was served, the number of the turn it waits for, the key
+        self._order: list[tuple[int, int, K]] = []  #: when it was served, the number of its waiting turn, the key
         self._places: dict[K, tuple[int, int, K]] = {}
 
     def __bool__(self) -> bool:
@@ -123,7 +123,7 @@ class _ServiceOrder(Generic[K]):
         return key in self._places
 
     def place(self, key: K, served: int, number: int) -> None:
-        """Add a key, or put it at another place. ``number`` is another one for each key."""
+        """Add a key, or move it. ``number`` is different for each key."""
         self.remove(key)
         self._places[key] = place = (served, number, key)
         insort(self._order, place)
@@ -135,13 +135,13 @@ class _ServiceOrder(Generic[K]):
             del self._order[bisect_left(self._order, place)]
 
     def keys(self) -> list[K]:
-        """Return the keys that wait (any thread)."""
+        """Return the waiting keys (any thread)."""
         return list(self._places)
 
     def first(self, running: Mapping[K, int], without: AbstractSet[K] = frozenset()) -> K | None:
-        """Return the first key of those with the fewest turns in ``running``; None if all that wait are in ``without``.
+        """Return the first key of those with the fewest turns in ``running``; None if all are in ``without``.
 
-        At most as many others are looked at as there are in ``running`` and ``without``.
+        It examines at most as many other keys as there are in ``running`` and ``without``.
         """
         best: K | None = None
         for _, _, key in self._order:
@@ -155,12 +155,12 @@ class _ServiceOrder(Generic[K]):
 
 
 class WaitingTurns:
-    """The waiting turns of each owner, the one that has waited longest first, and the order of the owners."""
+    """The waiting turns of each owner, the longest-waiting one first, and the order of the owners."""
 
     def __init__(self) -> None:
         self._queues: dict[JobOwner, deque[Turn]] = {}
         self._addresses: _ServiceOrder[str] = _ServiceOrder()
-        self._owners: dict[str, _ServiceOrder[JobOwner]] = {}  #: of each address
+        self._owners: dict[str, _ServiceOrder[JobOwner]] = {}  #: by address
 
     def __bool__(self) -> bool:
         return bool(self._queues)
@@ -169,9 +169,9 @@ class WaitingTurns:
         return turn in self._queues.get(turn.owner, ())
 
     def add(self, turn: Turn, served: tuple[int, int]) -> None:
-        """Add a turn, which has waited for the shortest time.
+        """Add a turn as the most recent one.
 
-        ``served`` are the numbers of the last turns that its address and its owner got, 0 if they never got one.
+        ``served`` are the numbers of the last turns of its address and its owner, 0 if they had none.
         """
         owner = turn.owner
         queue = self._queues.get(owner)
@@ -185,7 +185,7 @@ class WaitingTurns:
         self._owners[owner.address].place(owner, served[1], turn.number)
 
     def remove(self, turn: Turn) -> None:
-        """Remove a turn. Raises :class:`ValueError` if it does not wait."""
+        """Remove a turn. Raises :class:`ValueError` if it is not waiting."""
         owner = turn.owner
         queue = self._queues.get(owner, deque())
         queue.remove(turn)
@@ -199,7 +199,7 @@ class WaitingTurns:
             self._addresses.remove(owner.address)
 
     def note_served(self, owner: JobOwner, count: int) -> None:
-        """Note that a turn was granted to an owner, at its address, as the ``count``-th one of all."""
+        """Record that the ``count``-th turn was granted to an owner at its address."""
         if owner.address in self._addresses:
             self._addresses.place(owner.address, count, count)
         if owner in self._queues:
@@ -210,7 +210,7 @@ class WaitingTurns:
     ) -> Turn | None:
         """Return the next turn to grant, given the turns that addresses and owners hold.
 
-        None if no turn waits but those of the addresses ``without``.
+        Returns None if only turns of the addresses ``without`` wait.
         """
         address = self.first_address(addresses, without)
         owner = None if address is None else self.first_owner(address, owners)
@@ -235,7 +235,7 @@ class RecentComputing:
 
     def __init__(self) -> None:
         self._computed: OrderedDict[str, tuple[float, float]] = OrderedDict()  #: seconds, and when they were added
-        self._heavy_until = -math.inf  #: from then on no address has computed :data:`HEAVY_S`
+        self._heavy_until = -math.inf  #: no address has computed :data:`HEAVY_S` from then on
 
     def add(self, address: str, seconds: float, now: float) -> None:
         """Add computing that ended at ``now``."""
@@ -257,14 +257,14 @@ class RecentComputing:
         return now < self._heavy_until
 
     def much_more(self, addresses: set[str], now: float) -> set[str]:
-        """Return those of ``addresses`` that computed at least :data:`HEAVY_S`, and much more than another of them."""
+        """Return those of ``addresses`` that computed at least :data:`HEAVY_S`, and much more than another one."""
         computed = {address: self.of(address, now) for address in addresses}
         least = max(HEAVY_S, min(computed.values(), default=0.0) / LIGHTER)
         return {address for address, seconds in computed.items() if seconds >= least}
 
 
 def _uncancellable() -> Future[None]:
-    """Return a future that cannot be cancelled: cancelling a waiting job removes its turn instead."""
+    """Return a future that cannot be cancelled, because cancelling a waiting job removes its turn instead."""
     future: Future[None] = Future()
     future.set_running_or_notify_cancel()
     return future
@@ -276,15 +276,15 @@ class Scheduler:
     def __init__(self, slots: int, slice_s: float = SLICE_S, clock: Callable[[], float] = time.monotonic) -> None:
         self._slots, self._slice_s, self._clock = slots, slice_s, clock
         self._lock = threading.Lock()
-        self._urgent, self._deferrable = WaitingTurns(), WaitingTurns()  #: turns that wait
+        self._urgent, self._deferrable = WaitingTurns(), WaitingTurns()  #: waiting turns
         self._running: list[Turn] = []
         self._served: OrderedDict[tuple[str, ...], int] = OrderedDict()  #: last turn of each address and visitor
         self._recent = RecentComputing()
         self._count = 0
-        self._urgent_s = 0.0  #: urgent computing since the last slice of a job that is not urgent
+        self._urgent_s = 0.0  #: urgent computing since the last slice of a non-urgent job
         self._light_s = 0.0  #: urgent computing since the last slice of an address that computed HEAVY_S recently
-        self._startable: list[Turn] = []  #: turns that were granted, and whose tasks have no thread yet
-        #: Finished tasks that their event loop has not been told of: it is woken once for all of them.
+        self._startable: list[Turn] = []  #: granted turns whose tasks have no thread yet
+        #: Finished tasks that were not reported to their event loop yet, which is woken once for all of them.
         self._finished: dict[asyncio.AbstractEventLoop, list[Finished]] = {}
 
     # -- jobs ---------------------------------------------------------------------------------------------------------
@@ -292,7 +292,7 @@ class Scheduler:
     async def run(self, pool: Executor, owner: JobOwner, job: Callable[[], T], *, interactive: bool = True) -> T:
         """Compute ``job`` on a thread of ``pool`` once it has a turn; ``interactive`` says whether a user waits.
 
-        The pool needs a thread for each job that has begun. A job cancelled before its first turn does not begin; one
+        The pool needs a thread for each started job. A job cancelled before its first turn is not started; one
         cancelled later runs to its end.
         """
         loop = asyncio.get_running_loop()
@@ -311,9 +311,9 @@ class Scheduler:
                 waiting.remove(turn)
 
     def _work(self, turn: Turn) -> None:
-        """Compute a turn's task, then those of the turns that are granted next, on this thread of their pool."""
+        """Compute a turn's task, then those of the turns granted next, on this thread of their pool."""
         share_cores(_leaves_cores)
-        if turn not in self._running:  # the pool had no thread for it at first, and it was given up
+        if turn not in self._running:  # the pool had no thread for it, and it was withdrawn
             return
         following: Turn | None = turn
         while following is not None and (task := following.task) is not None:
@@ -332,7 +332,7 @@ class Scheduler:
             self._start()
 
     def _start(self) -> None:
-        """Begin the tasks of granted turns on threads of their pools."""
+        """Start the tasks of granted turns on threads of their pools."""
         while self._startable:
             with self._lock:
                 turn = self._startable.pop(0) if self._startable else None
@@ -340,7 +340,7 @@ class Scheduler:
                 return
             try:
                 turn.task.pool.submit(self._work, turn)
-            except RuntimeError as error:  # the pool takes no more
+            except RuntimeError as error:  # the pool accepts no more jobs
                 self._tell(turn.task.loop, Finished(turn.task.done, None, error))
                 self.release(turn)
 
@@ -352,7 +352,7 @@ class Scheduler:
         if is_first:
             try:
                 loop.call_soon_threadsafe(self._tell_all, loop)
-            except RuntimeError:  # the loop is closed: nobody waits any more
+            except RuntimeError:  # the loop is closed, so nothing waits any more
                 self._finished.pop(loop, None)
 
     def _tell_all(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -394,9 +394,9 @@ class Scheduler:
         return bool(self._urgent) and len(self._running) > 1 and self._is_one_too_many(turn)
 
     def _is_one_too_many(self, turn: Turn) -> bool:
-        """Whether an urgent turn waits of an address, or of a visitor at this address, that holds fewer turns by two.
+        """Return whether an urgent turn waits whose address, or visitor at this address, holds at least two turns less.
 
-        To wait for the end of a slice takes longer than many a map that a user waits for.
+        Waiting for the end of a slice would take longer than computing many of the maps that users wait for.
         """
         with self._lock:
             addresses, owners = self._held()
@@ -408,7 +408,7 @@ class Scheduler:
             return owner is not None and owners.get(owner, 0) + 2 <= owners[own]
 
     def _held(self) -> tuple[dict[str, int], dict[JobOwner, int]]:
-        """Return how many turns each address and each owner holds."""
+        """Return the numbers of turns that each address and each owner holds."""
         addresses: dict[str, int] = {}
         owners: dict[JobOwner, int] = {}
         for turn_ in self._running:
@@ -417,7 +417,7 @@ class Scheduler:
         return addresses, owners
 
     def leaves_cores(self, turn: Turn) -> bool:
-        """Return whether a held turn should compute on its own thread only, and leave the other cores to others."""
+        """Return whether a held turn should compute only on its own thread, and leave the other cores to others."""
         with self._lock:
             others = [turn_ for turn_ in self._running if turn_ is not turn]
             if not others:
@@ -430,7 +430,7 @@ class Scheduler:
             )
 
     def yield_turn(self, turn: Turn) -> None:
-        """Yield a held turn to the next job, and request another one, which may be granted at once."""
+        """Yield a held turn to the next job, and request another one, which may be granted immediately."""
         with self._lock:
             self._end_slice(turn)
             self._request_again(turn)
@@ -444,7 +444,7 @@ class Scheduler:
         self._start()
 
     def resume(self, turn: Turn) -> None:
-        """Request another turn after :meth:`suspend`; it may be granted at once."""
+        """Request another turn after :meth:`suspend`. It may be granted immediately."""
         with self._lock:
             self._request_again(turn)
         self._start()
@@ -461,7 +461,7 @@ class Scheduler:
         self._queue_of(turn).add(turn, served)
 
     def _queue_of(self, turn: Turn) -> WaitingTurns:
-        """Return the queue of a turn that does not run: its computing time grows only while it runs."""
+        """Return the queue of a turn that does not run; its computing time grows only while it runs."""
         return self._urgent if self._is_urgent(turn) else self._deferrable
 
     def _is_deferred(self, turn: Turn) -> bool:
@@ -471,7 +471,7 @@ class Scheduler:
         return turn.owner.address in self._heavy()
 
     def _heavy(self) -> set[str]:
-        """Return the addresses whose urgent turns are deferred: see :meth:`RecentComputing.much_more`."""
+        """Return the addresses whose urgent turns are deferred; see :meth:`RecentComputing.much_more`."""
         if not self._recent.any_heavy(now := self._clock()):
             return set()
         running = (turn_.owner.address for turn_ in self._running.copy() if self._is_urgent(turn_))
@@ -517,7 +517,7 @@ class Scheduler:
                 turn.request.set_result(None)
 
     def _next(self) -> Turn | None:
-        """Return the next turn to grant: None if no job waits, or only deferred ones."""
+        """Return the next turn to grant; None if no job waits, or only deferred ones."""
         if self._deferrable and (
             self._urgent_s >= DEFERRED_EVERY_S or not (self._urgent or any(map(self._is_urgent, self._running)))
         ):
@@ -538,7 +538,7 @@ def _leaves_cores() -> bool:
 
 
 def wait_without_turn(until: threading.Event, timeout_s: float) -> None:
-    """Yield this thread's turn, wait for ``until``, at most so long, and return when the job has another turn."""
+    """Yield this thread's turn, wait for ``until``, at most ``timeout_s``, and return with another turn."""
     scheduler: Scheduler | None = getattr(_current, "scheduler", None)
     turn: Turn | None = getattr(_current, "turn", None)
     if scheduler is not None and turn is not None:
@@ -552,7 +552,7 @@ def wait_without_turn(until: threading.Event, timeout_s: float) -> None:
 def checkpoint() -> None:
     """Yield this thread's turn if it is over, and return when the job has another one.
 
-    Jobs call it about every hundredth of a second. Outside a scheduler's job it does nothing.
+    Jobs call it about every hundredth of a second. Outside a scheduled job it does nothing.
     """
     scheduler: Scheduler | None = getattr(_current, "scheduler", None)
     turn: Turn | None = getattr(_current, "turn", None)

@@ -1,4 +1,4 @@
-"""A token bucket: a number of tokens at once, and then a number per second."""
+"""A token bucket: an initial number of tokens, refilled at a constant rate."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ class TokenBucket:
         return True
 
     def spend(self) -> float:
-        """Take one token, also one that is still to come; return the seconds until it has come."""
+        """Take one token, even a future one; return the seconds until it is available."""
         self._left = self._gained() - 1.0
         self._at = self._clock()
         return max(0.0, -self._left / self._per_s)
 
     @property
     def wait_s(self) -> float:
-        """Seconds until a token taken now would have come."""
+        """Seconds until a token taken now would be available."""
         return max(0.0, (1.0 - self._gained()) / self._per_s)
 
     @property
     def has_rested(self) -> bool:
-        """Whether at least half of the burst was left after the last token taken."""
+        """Whether at least half of the burst was left after the last token was taken."""
         return self._left >= self._burst / 2.0

@@ -1,7 +1,7 @@
-"""Connections that one worker passes to another: the socket's descriptor with what was read of the request.
+"""Connections that one worker hands over to another: the socket's descriptor with the read part of the request.
 
-Each worker has a pair of sockets for what it receives, made before the workers are forked, so that a message waits
-there while a worker that has ended is replaced. (``SOCK_SEQPACKET``: a message is whole, whoever of several sends it.)
+Each worker has a pair of sockets for what it receives, created before the workers are forked, so that a message waits
+there while an ended worker is replaced. (``SOCK_SEQPACKET``: messages stay whole even with several senders.)
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from server.workers.places import worker_of
 from server.workers.shared_class import SharedClass
 
 MAX_HEAD = 1 << 16  #: bytes of a request up to the end of its headers; a longer one is refused where it arrives
-READ_BYTES = 1 << 18  #: that asyncio reads at once: the beginning of a body may be read with the headers
-BUFFER_BYTES = 1 << 20  #: of messages that wait for one worker
-AT_ONCE = 32  #: connections taken in one pass of the event loop
-FIGURES = b"\0figures"  #: in the place of a head: what asks for a worker's figures
-FIGURES_S = 2.0  #: seconds that a worker has to answer; one that is being replaced cannot
+READ_BYTES = 1 << 18  #: bytes that asyncio reads at once; the start of a body may be read with the headers
+BUFFER_BYTES = 1 << 20  #: of waiting messages for one worker
+AT_ONCE = 32  #: connections accepted in one pass of the event loop
+FIGURES = b"\0figures"  #: instead of a head: requests a worker's figures
+FIGURES_S = 2.0  #: seconds in which a worker must answer; one that is being replaced cannot
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """The two ends of the way to one worker."""
+    """The two ends of a channel to one worker."""
 
     receiving: socket.socket
     sending: socket.socket
 
     @classmethod
     def make(cls) -> Channel:
-        """Make both ends. Raises :class:`OSError`."""
+        """Create both ends. Raises :class:`OSError`."""
         receiving, sending = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         sending.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
         for end in (receiving, sending):
@@ -41,9 +41,9 @@ class Channel:
 
 
 class Handover:
-    """What worker ``own`` passes to the others and gets from them, by ``channels``, one for each. Event loop only.
+    """The exchange of worker ``own`` with the others by ``channels``, one for each. Event loop only.
 
-    ``prepared`` is the class that is open from the start, None for none.
+    ``prepared`` is the class that is open from the start, None without one.
     """
 
     def __init__(self, own: int, channels: Sequence[Channel], prepared: SharedClass | None = None) -> None:
@@ -58,25 +58,25 @@ class Handover:
         return len(self._channels)
 
     def begin(self, take: Callable[[socket.socket, bytes], None], figures: Callable[[], bytes]) -> None:
-        """Call ``take`` with each connection that comes from now on, and what was read of it.
+        """From now on, call ``take`` with each received connection, and the data that was read from it.
 
-        ``figures`` returns what the other workers are told that ask for this one's figures.
+        ``figures`` returns this worker's figures for other workers that request them.
         """
         self._take, self._figures = take, figures
         asyncio.get_running_loop().add_reader(self._channels[self.own].receiving, self._receive)
 
     def end(self) -> None:
-        """Take no more; what comes waits for the worker that replaces this one."""
+        """Stop receiving; further connections wait for the worker that replaces this one."""
         asyncio.get_running_loop().remove_reader(self._channels[self.own].receiving)
 
     def other(self, head: bytes, address: str) -> int | None:
-        """Return the other worker that has a request, None for one that may be answered here."""
+        """Return the other worker to which a request belongs, None if it may be answered here."""
         prepared = self._prepared
         worker = worker_of(head, address, self.workers, {} if prepared is None else {prepared.code: prepared.worker})
         return None if worker == self.own else worker
 
     def pass_on(self, worker: int, head: bytes, descriptor: int) -> bool:
-        """Pass on a connection, of which ``head`` was read; return False where the worker's buffer is full.
+        """Hand over a connection, of which ``head`` was read; return False if the worker's buffer is full.
 
         Raises :class:`OSError`.
         """
@@ -87,13 +87,13 @@ class Handover:
         return True
 
     async def figures_of_others(self) -> list[bytes]:
-        """Return the figures of the other workers, without those that do not answer now."""
+        """Return the figures of the other workers, without those that currently do not answer."""
         others = [worker for worker in range(self.workers) if worker != self.own]
         answers = await asyncio.gather(*map(self._figures_of, others), return_exceptions=True)
         return [answer for answer in answers if isinstance(answer, bytes)]
 
     async def _figures_of(self, worker: int) -> bytes:
-        """Return the figures of another worker. Raises :class:`OSError`, also where there is no answer in time."""
+        """Return the figures of another worker. Raises :class:`OSError`, also after a timeout."""
         asking, answering = socket.socketpair()
         with answering:
             if not self.pass_on(worker, FIGURES, answering.fileno()):
@@ -120,7 +120,7 @@ class Handover:
                 head, descriptors, _, _ = socket.recv_fds(receiving, MAX_HEAD + READ_BYTES, 1)
             except BlockingIOError:
                 return
-            for descriptor in descriptors:  # none where descriptors have run out
+            for descriptor in descriptors:  # none if there are no free descriptors
                 other = socket.socket(fileno=descriptor)
                 if head == FIGURES:
                     self._telling.add(telling := asyncio.ensure_future(self._tell_figures(other)))

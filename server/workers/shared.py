@@ -1,4 +1,4 @@
-"""What the workers of a service share in memory: made before they are forked."""
+"""Memory shared by the workers of a service, created before they are forked."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from server.sessions.registry import Use
 from server.workers.shared_class import SharedClass
 
-MAX_NETWORKS = 4096  #: of which wrong secrets are recorded
-WAYS = 8  #: places of a key among the counts
-PLACES = 1 << 16  #: of networks among the connections
+MAX_NETWORKS = 4096  #: number of networks whose wrong secrets are recorded
+WAYS = 8  #: slots for a key among the counts
+PLACES = 1 << 16  #: slots for networks among the connections
 _ENTRY = np.dtype([("key", np.uint64), ("number", np.float64), ("at", np.float64)])
 
 
 class SharedUse:
-    """What the sessions of each worker use of the budgets: a row for each, for processes that are forked later."""
+    """Each worker's use of the budgets: one row per worker, for processes that are forked later."""
 
     def __init__(self, workers: int) -> None:
         columns = len(fields(Use))
@@ -32,35 +32,35 @@ class SharedUse:
         return WorkersUse(self._rows, worker)
 
     def clear(self, worker: int) -> None:
-        """Forget what a worker has used, which has ended."""
+        """Clear the use of a worker that has ended."""
         self._rows[worker] = 0
 
 
 class WorkersUse:
-    """The rows (workers, columns) as worker ``own`` sees them."""
+    """The rows (workers, columns) as seen by worker ``own``."""
 
     def __init__(self, rows: NDArray[np.int64], own: int) -> None:
         self._rows, self._own = rows, own
 
     def others(self) -> Use:
-        """Return what the sessions of the other workers use together."""
+        """Return the total use by the sessions of the other workers."""
         return Use(*(self._rows.sum(axis=0) - self._rows[self._own]).tolist())
 
     def state(self, own: Use) -> None:
-        """State what the sessions of this worker use."""
+        """Publish the use by the sessions of this worker."""
         self._rows[self._own] = astuple(own)
 
 
 def keyed_hash(key: str, secret: bytes) -> int:
-    """Return a hash of 8 bytes: without the secret nobody chooses keys that share a place."""
+    """Return a hash of 8 bytes. Without the secret, nobody can choose keys that share a slot."""
     return int.from_bytes(blake2b(key.encode(), digest_size=8, key=secret).digest(), "little")
 
 
 class SharedCounts:
-    """At most about ``size`` numbers with a time, by key, shared by processes that are forked after this was made.
+    """About ``size`` numbers with a time, by key, shared by processes that are forked later.
 
-    A key is kept as a keyed hash of 8 bytes in one of a few places, as in a cache: where all are taken, the oldest
-    entry goes. Workers that write at once may lose one of two counts.
+    A key is stored as a keyed hash of 8 bytes in one of a few slots, as in a cache; if all are in use, the oldest entry
+    is replaced. Of two workers that write simultaneously, one count may be lost.
     """
 
     def __init__(self, size: int) -> None:
@@ -70,13 +70,13 @@ class SharedCounts:
         self._secret = secrets.token_bytes(16)
 
     def get(self, key: str) -> tuple[float, float]:
-        """Return the number of a key and the time when it was set; 0 and 0 for none."""
+        """Return the number of a key and the time when it was set; 0 and 0 if there is none."""
         name, entries = self._places(key)
         rows = np.flatnonzero(entries["key"] == name)
         return (float(entries["number"][rows[0]]), float(entries["at"][rows[0]])) if len(rows) else (0.0, 0.0)
 
     def set(self, key: str, number: float, at: float) -> None:
-        """Set the number of a key, in the place of the oldest of those that share its places."""
+        """Set the number of a key, replacing the oldest entry of its slots."""
         name, entries = self._places(key)
         rows = np.flatnonzero(entries["key"] == name)
         entries[int(rows[0]) if len(rows) else int(np.argmin(entries["at"]))] = (name, number, at)
@@ -87,9 +87,9 @@ class SharedCounts:
 
 
 class SharedConnections:
-    """How many connections that do not wait each worker has, in all and of each network, as :class:`SharedUse`.
+    """Number of non-waiting connections of each worker, in total and for each network, like :class:`SharedUse`.
 
-    A network is counted in one of many places, by a keyed hash: two that share a place count as one.
+    A network is counted in one of many slots, by a keyed hash; two networks that share a slot count as one.
     """
 
     def __init__(self, workers: int) -> None:
@@ -101,24 +101,24 @@ class SharedConnections:
         return WorkersConnections(self._rows, self._secret, worker)
 
     def clear(self, worker: int) -> None:
-        """Forget the connections of a worker that has ended."""
+        """Clear the connections of a worker that has ended."""
         self._rows[worker] = 0
 
 
 class WorkersConnections:
-    """The rows (workers, places and the sum of them) as worker ``own`` sees them."""
+    """The rows (workers, slots and their sum) as seen by worker ``own``."""
 
     def __init__(self, rows: NDArray[np.int32], secret: bytes, own: int) -> None:
         self._rows, self._secret, self._own = rows, secret, own
 
     def others(self, network: str) -> tuple[int, int]:
-        """Return how many connections the other workers have: in all, and of a network."""
+        """Return the numbers of connections of the other workers: in total, and for a network."""
         columns = self._rows[:, [PLACES, self._place(network)]]
         in_all, of_network = columns.sum(axis=0) - columns[self._own]
         return int(in_all), int(of_network)
 
     def add(self, network: str, number: int) -> None:
-        """Count ``number`` more connections of a network in this worker."""
+        """Add ``number`` to the connections of a network in this worker."""
         self._rows[self._own, self._place(network)] += number
         self._rows[self._own, PLACES] += number
 
@@ -136,7 +136,7 @@ class Guesses:
 
     @classmethod
     def make(cls) -> Guesses:
-        """Make the memory."""
+        """Allocate the memory."""
         return cls(*(SharedCounts(MAX_NETWORKS) for _ in range(3)))
 
 
@@ -144,7 +144,7 @@ class Guesses:
 class Shared:
     """The use of the budgets, the open connections, the wrong secrets, and the class that is open from the start.
 
-    That class is None for none.
+    That class is None if there is none.
     """
 
     use: SharedUse
@@ -154,12 +154,12 @@ class Shared:
 
     @classmethod
     def make(cls, workers: int, class_code: str | None) -> Shared:
-        """Make the memory for a number of workers."""
+        """Allocate the memory for a number of workers."""
         prepared = None if class_code is None else SharedClass(class_code, workers)
         return cls(SharedUse(workers), SharedConnections(workers), Guesses.make(), prepared)
 
     def clear(self, worker: int) -> None:
-        """Forget what a worker had, which has ended. The wrong secrets stay."""
+        """Clear the data of a worker that has ended. The wrong secrets are kept."""
         self.use.clear(worker)
         self.connections.clear(worker)
         if self.prepared is not None:

@@ -1,6 +1,6 @@
-"""The prepared class of a service of several workers: the worker of the visitor who takes it over has it.
+"""The prepared class of a service with several workers: it belongs to the worker of the visitor who takes it over.
 
-Until then it waits in the worker to which its code leads (:func:`server.workers.places.worker_of_class`).
+Until then it waits in the worker that its code determines (:func:`server.workers.places.worker_of_class`).
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ _NOBODY = -1
 
 
 class SharedClass:
-    """Which worker has the class, in memory that processes share which are forked after it was made.
+    """The worker that has the class, in memory shared by processes that are forked later.
 
-    A pipe holds one byte as long as nobody has the class: of several processes that read it one gets it.
+    A pipe holds one byte as long as nobody has the class. Of several processes that read it, one gets the byte.
     """
 
     def __init__(self, code: str, workers: int) -> None:
@@ -31,7 +31,7 @@ class SharedClass:
 
     @property
     def worker(self) -> int:
-        """The worker to which requests with the code go."""
+        """The worker that receives requests with the code."""
         holder = int(self._holder[0])
         return self._waits_in if holder == _NOBODY else holder
 
@@ -40,7 +40,7 @@ class SharedClass:
         return WorkersClass(self, worker)
 
     def take_over(self, worker: int) -> bool:
-        """Give the class to a worker; return False where one has taken it before."""
+        """Assign the class to a worker; return False if it was taken before."""
         try:
             os.read(self._take, 1)
         except BlockingIOError:
@@ -50,11 +50,11 @@ class SharedClass:
 
     @property
     def is_taken(self) -> bool:
-        """Whether somebody has taken the class over."""
+        """Whether the class was taken over."""
         return int(self._holder[0]) != _NOBODY
 
     def clear(self, worker: int) -> None:
-        """Let the class wait again where a worker had it that has ended."""
+        """Make the class wait again if its worker has ended."""
         if int(self._holder[0]) == worker:
             self._release()
 
@@ -64,7 +64,7 @@ class SharedClass:
 
 
 class WorkersClass:
-    """A :class:`SharedClass` as worker ``own`` sees it."""
+    """A :class:`SharedClass` as seen by worker ``own``."""
 
     def __init__(self, shared: SharedClass, own: int) -> None:
         self._shared, self._own = shared, own
@@ -76,5 +76,5 @@ class WorkersClass:
         return not self._shared.is_taken and self._shared.worker == self._own
 
     def take_over(self) -> bool:
-        """Take the class over for a visitor of this worker; return False where somebody has done so before."""
+        """Take the class over for a visitor of this worker; return False if it was taken before."""
         return self._shared.take_over(self._own)

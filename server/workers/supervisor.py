@@ -1,7 +1,7 @@
 """The process that forks the workers of a service, and replaces those that end.
 
-It has loaded the code and the kernels before, so that the workers share that memory. It has no threads and no event
-loop: forked processes would not have the one, and share the other. Signals: SIGTERM and SIGINT end the service, SIGHUP
+It loads the code and the kernels first, so that the workers share that memory. It has no threads and no event loop,
+because forked processes would lose the former and share the latter. Signals: SIGTERM and SIGINT end the service, SIGHUP
 replaces the workers one after the other.
 """
 
@@ -25,13 +25,13 @@ from server.workers.worker import REPLACE, Worker
 
 SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGCHLD})
 END_S = 8.0  #: seconds that workers have to end before they are killed
-STARTS_S = 2.0  #: at least between two starts of a worker: it may end again and again
+STARTS_S = 2.0  #: least time between two starts of a worker, which may end again and again
 
 _log = structlog.get_logger(__name__)
 
 
 def in_child(work: Callable[[], None]) -> None:
-    """Run ``work`` in a forked process, which may have threads, and wait for it. Exits as it does, unless with 0."""
+    """Run ``work`` in a forked process, which may have threads, and wait for it. Exits with its status unless 0."""
     child = os.fork()
     if not child:
         _end_after(work)
@@ -41,13 +41,13 @@ def in_child(work: Callable[[], None]) -> None:
 
 
 def supervise(workers: int, serve: Callable[[Worker], None], class_code: str | None = None) -> None:
-    """Fork ``workers`` processes, each of which calls ``serve`` once; return when the service was ended by a signal.
+    """Fork ``workers`` processes, each of which calls ``serve`` once; return when a signal has ended the service.
 
     ``class_code`` is that of a class that is open from the start.
     """
     channels = [Channel.make() for _ in range(workers)]
     shared = Shared.make(workers, class_code)
-    alive, held = os.pipe()  # the workers see its end when this process ends, however that is
+    alive, held = os.pipe()  # the workers get end-of-file when this process ends, for whatever reason
 
     def run(number: int) -> None:
         os.close(held)
@@ -60,7 +60,7 @@ def supervise(workers: int, serve: Callable[[Worker], None], class_code: str | N
 
 
 class _Supervisor:
-    """The running workers by their process, and when each number is due to be started again."""
+    """The running workers by their process, and when each number is due for a restart."""
 
     def __init__(self, workers: int, run: Callable[[int], None], shared: Shared) -> None:
         self._run, self._shared = run, shared
@@ -75,7 +75,7 @@ class _Supervisor:
         child = os.fork()
         if not child:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
-            signal.signal(signal.SIGHUP, signal.SIG_IGN)  # of a terminal that is closed: the supervisor decides
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)  # of a closed terminal; the supervisor decides
             _end_after(partial(self._run, number))
         self._numbers[child] = number
         self._began[number] = time.monotonic()
@@ -99,7 +99,7 @@ class _Supervisor:
         self._end()
 
     def _replace_next(self) -> None:
-        """Have the next worker end that is to be replaced, after its uploads; the one before it has been started."""
+        """End the next worker to be replaced, after its uploads; the previous one has been restarted."""
         if self._to_replace and not self._due:
             number = self._to_replace.pop(0)
             for process, other in self._numbers.items():
@@ -107,7 +107,7 @@ class _Supervisor:
                     os.kill(process, REPLACE)
 
     def _reap(self) -> None:
-        """Take note of the workers that have ended."""
+        """Handle workers that have ended."""
         for process in list(self._numbers):
             ended, status = os.waitpid(process, os.WNOHANG)
             if not ended:
@@ -142,6 +142,6 @@ def _blocked() -> Iterator[None]:
 
 
 def _end_after(work: Callable[[], None]) -> NoReturn:
-    """Do the work of a forked process and end it as any program ends: what waits for the exit is called."""
+    """Do the work of a forked process and exit like any program, so that exit handlers are called."""
     work()
     raise SystemExit(0)

@@ -13,7 +13,7 @@ from server.workers.places import worker_of_class
 from server.workers.shared import Guesses, Shared, WorkersConnections, WorkersUse
 from server.workers.shared_class import WorkersClass
 
-REPLACE = signal.SIGUSR1  #: has a worker end once no upload to it is under way
+REPLACE = signal.SIGUSR1  #: makes a worker end once it has no running upload
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Worker:
 
     @classmethod
     def of(cls, number: int, channels: Sequence[Channel], shared: Shared, alive: int) -> Worker:
-        """Return a worker with what was made for all of them."""
+        """Return a worker with the resources created for all of them."""
         prepared = None if shared.prepared is None else shared.prepared.of(number)
         handover = Handover(number, channels, shared.prepared)
         use, connections = shared.use.of(number), shared.connections.of(number)
@@ -44,7 +44,7 @@ class Worker:
         return worker_of_class(code, self.handover.workers) == self.number
 
     def end_with_supervisor(self) -> None:
-        """Have this process end as by SIGTERM once the supervisor has ended, however that was."""
+        """Make this process end as by SIGTERM once the supervisor has ended, for whatever reason."""
         asyncio.get_running_loop().add_reader(self.alive, self._end)
 
     def _end(self) -> None:

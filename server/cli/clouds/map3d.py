@@ -1,4 +1,4 @@
-"""``map3d``: a map of occupied and free voxels from point clouds, and what an octree file holds."""
+"""``map3d``: a map of occupied and free voxels from point clouds, and the contents of an octree file."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from server.cli.map_files import save
 
 _ROWS = {row.name: row for row in VOLUME_PARAMETERS}
 KINDS = (".bt", ".ot")
-OF_SURFACES = tuple(row for row in TSDF_PARAMETERS if row.name not in _ROWS)  # the parameters that octrees lack
+OF_SURFACES = tuple(row for row in TSDF_PARAMETERS if row.name not in _ROWS)  # the parameters that octrees do not have
 
 
 @app.command()
@@ -150,10 +150,10 @@ def map3d(
     rest = inputs if read is None else inputs[1:]
     with refusing(inputs[0]):
         meshes = any(path.suffix in MESHES for path in out)
-        # A tree may be larger than a map may be.
+        # An octree may be larger than a map may be.
         from_tree = read is not None and (rest or projection is not None or meshes)
         volume = read.tree.volume(config) if read is not None and from_tree else OccupancyVolume(config)
-    posed = 0  # clouds so far, each of which takes one of the poses
+    posed = 0  # number of clouds so far, each of which uses one of the poses
     for path in rest:
         with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
             source = open_source(
@@ -210,7 +210,7 @@ def map3d(
 
 
 def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenPoses:
-    """Return the poses of a file, or end the command where they are not one for each cloud."""
+    """Return the poses of a file, or end the command if their number differs from that of the clouds."""
     if place is not None:
         fail("--sensor is the place of one cloud's sensor, and has no meaning with --poses.")
     with refusing(path):
@@ -232,7 +232,7 @@ def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenP
 
 
 def _first_octree(path: Path) -> OctreeFile | None:
-    """Return the octree in a file, None for a file that holds something else."""
+    """Return the octree in a file, None for a file of another kind."""
     if not path.is_file():
         return None
     with refusing(path), path.open("rb") as file:
@@ -242,7 +242,7 @@ def _first_octree(path: Path) -> OctreeFile | None:
 def _write(
     path: Path, tree: Octree, config: VolumeConfig, read: OctreeFile | None, offset: Float64Array | None
 ) -> Path:
-    """Write a tree; one that was read and is written as the same kind is written byte for byte."""
+    """Write a tree. An octree that was read and has the same kind is copied byte for byte."""
     with refusing(path):
         same = read is not None and read.kind == path.suffix
         write_octree(
@@ -254,7 +254,7 @@ def _write(
 def _write_projection(
     volume: OccupancyVolume, prefix: Path, heights: list[float] | None, of: Path, offset: Float64Array | None
 ) -> list[Path]:
-    """Write the map from above in the coordinates of the files, in which ``heights`` are too."""
+    """Write the map from above in the coordinates of the files, which also apply to ``heights``."""
     with refusing(of):
         base = 0.0 if offset is None else float(offset[2])
         grid = project(volume) if heights is None else project(volume, *(height - base for height in heights))
@@ -262,7 +262,7 @@ def _write_projection(
 
 
 class TreeFacts(Struct):
-    """The numbers of an octree: its nodes, the voxels that its leaves take, and the corners of the box around them."""
+    """The numbers of an octree: its nodes, the voxels of its leaves, and the corners of their bounding box."""
 
     resolution: float
     nodes: int
@@ -274,7 +274,7 @@ class TreeFacts(Struct):
 
     @classmethod
     def of(cls, tree: Octree, config: VolumeConfig) -> TreeFacts:
-        """Return the numbers of ``tree``, whose leaves are occupied as ``config`` says."""
+        """Return the numbers of ``tree``; ``config`` determines which leaves are occupied."""
         keys, depths, values = tree.leaves()
         sides = np.int64(1) << (16 - depths.astype(np.int64))
         occupied = values >= config.log_odds_occupied
@@ -300,7 +300,7 @@ def print_tree(facts: TreeFacts) -> None:
 
 
 def describe_octree(path: Path, *, as_json: bool) -> bool:
-    """Print what an octree file holds; return whether the file is one."""
+    """Print the contents of an octree file; return whether the file is one."""
     read = _first_octree(path)
     if read is None:
         return False

@@ -1,4 +1,4 @@
-"""``map3d --tsdf``: a surface of truncated signed distances as a mesh; and what a mesh's file holds."""
+"""``map3d --tsdf``: a surface of truncated signed distances as a mesh; and the contents of a mesh file."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def map_surface(
     poses: GivenPoses | None,
     as_json: bool,
 ) -> None:
-    """Fuse what the inputs hold, write the surface and print what was done."""
+    """Fuse the contents of the inputs, write the surface and print a summary."""
     others = sorted(values.keys() - ROWS.keys())
     if others:
         fail(f"--{others[0].replace('_', '-')} is of occupied voxels and has no meaning with --tsdf.")
@@ -106,7 +106,7 @@ def write_mesh_file(mesh: Mesh, path: Path, offset: Float64Array | None = None) 
 
 
 class MeshFacts(Struct):
-    """The numbers of a mesh: vertices, triangles, their area, and the corners of the box around them in metres."""
+    """The numbers of a mesh: vertices, triangles, their area, and the corners of its bounding box in metres."""
 
     vertices: int
     triangles: int
@@ -116,7 +116,7 @@ class MeshFacts(Struct):
 
     @classmethod
     def of(cls, mesh: Mesh) -> MeshFacts:
-        """Return the numbers of ``mesh``; one without vertices has no corners."""
+        """Return the numbers of ``mesh``; without vertices it has no corners."""
         corners = (mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) if len(mesh.vertices) else ()
         low, high = ([round(float(v), 6) for v in corner] for corner in corners) if corners else (None, None)
         return cls(len(mesh.vertices), len(mesh.triangles), round(mesh.area, 4), low, high)
@@ -131,7 +131,7 @@ def print_mesh(facts: MeshFacts) -> None:
 
 
 def describe_mesh(path: Path, *, as_json: bool) -> bool:
-    """Print what a PLY file with faces holds; return whether the file is one."""
+    """Print the contents of a PLY file with faces; return whether the file is one."""
     if not path.is_file():
         return False
     with refusing(path):

@@ -29,7 +29,7 @@ from server.cli.common import (
 )
 from server.cli.map_files import save
 
-MANY_UNKNOWN = 0.5  #: of the patches with points: a greater share is said
+MANY_UNKNOWN = 0.5  #: share of the patches with points above which it is reported
 _ROWS = {row.name: row for row in (*GROUND_PARAMETERS, *PATCH_PARAMETERS)}
 
 
@@ -106,7 +106,7 @@ def terrain(
 
 
 def _unknown_patches(every: Patches, terrain: Terrain, config: PatchConfig) -> list[str]:
-    """Return a sentence where many of the patches with points are unknown; ``every`` has the points of all."""
+    """Return a sentence if many of the patches with points are unknown; ``every`` has the points of all."""
     unknown = terrain.classes[every.moments[..., 0] > 0.0] == UNKNOWN
     if unknown.mean() <= MANY_UNKNOWN:
         return []
@@ -118,7 +118,7 @@ def _unknown_patches(every: Patches, terrain: Terrain, config: PatchConfig) -> l
 
 
 def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
-    """Return which points (n,) of a cloud are those of ``truth``, by equal coordinates."""
+    """Return which points (n,) of a cloud are in ``truth``, by equal coordinates."""
     places = {place.tobytes() for place in truth.points.astype(np.float32)}
     is_inside = np.array([place.tobytes() in places for place in cloud.points.astype(np.float32)], dtype=np.bool_)
     if not is_inside.any():

@@ -1,1 +1,1 @@
-"""What a log holds and how good it is: ``info``, ``doctor``, ``check``, ``report`` and ``fleet``."""
+"""The contents and the quality of logs: ``info``, ``doctor``, ``check``, ``report`` and ``fleet``."""

@@ -1,4 +1,4 @@
-"""``check``: whether a log keeps limits, as an exit status."""
+"""``check``: whether a log is within limits, as an exit status."""
 
 from __future__ import annotations
 
@@ -92,6 +92,6 @@ def check(
 
 
 def _check_number(option: str, value: float | None, greatest: float, expected: str) -> None:
-    """End the command where ``value`` is given and not a finite number from 0 to ``greatest``."""
+    """End the command if ``value`` is given and not a finite number from 0 to ``greatest``."""
     if value is not None and not (math.isfinite(value) and 0.0 <= value <= greatest):
         fail(f"{option} needs {expected}, not {value:g}.")

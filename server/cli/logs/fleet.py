@@ -1,4 +1,4 @@
-"""``fleet``: many logs read, examined and mapped."""
+"""``fleet``: read, examine and map many logs."""
 
 from __future__ import annotations
 

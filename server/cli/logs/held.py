@@ -1,4 +1,4 @@
-"""What ``info`` prints besides scans: topics, clouds and IMUs of a recording, cloud files, folders of depth images."""
+"""Output of ``info`` besides scans: topics, clouds and IMUs of a recording, cloud files, folders of depth images."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from server.cli.common import print_json, print_notes, progress_bar, refusing
 
 
 class CloudFacts(Struct):
-    """What the clouds of one topic are, by the first of them."""
+    """Properties of the clouds of one topic, from the first of them."""
 
     topic: str
     count: int
@@ -35,7 +35,7 @@ class CloudFacts(Struct):
 
 
 class ImuFacts(Struct):
-    """What an IMU is, by the first messages of its topic."""
+    """Properties of an IMU, from the first messages of its topic."""
 
     topic: str
     count: int
@@ -45,7 +45,7 @@ class ImuFacts(Struct):
 
 
 def print_held(path: Path, content: Held, *, as_json: bool) -> None:
-    """Print a recording that has no scans."""
+    """Print a recording without scans."""
     clouds, imus = clouds_facts(content.clouds), imus_facts(content.imus)
     notes = [*([content.no_scans] if content.no_scans else []), *content.contents.notes]
     if as_json:
@@ -71,17 +71,17 @@ def print_held(path: Path, content: Held, *, as_json: bool) -> None:
 
 
 def contents_facts(topics: Sequence[TopicContents]) -> list[dict[str, object]]:
-    """Return what is known of every topic, for JSON."""
+    """Return the known facts about every topic, for JSON."""
     return [asdict(topic) | {"span_s": topic.span_s, "rate_hz": topic.rate_hz} for topic in topics]
 
 
 def topic_line(topic: TopicContents) -> str:
-    """Say what one topic holds, how much, how often and for how long."""
+    """Return a line with the contents, size, rate and span of one topic."""
     return f"{topic.name}: {topic.messages} × {topic.type}{size_line(topic)}"
 
 
 def clouds_facts(clouds: Mapping[str, CloudStream]) -> list[CloudFacts]:
-    """Return what the clouds of a recording are, by the first of each topic."""
+    """Return the properties of a recording's clouds, from the first of each topic."""
     facts = []
     for stream in clouds.values():
         first = next(iter(stream), None)
@@ -104,7 +104,7 @@ def clouds_facts(clouds: Mapping[str, CloudStream]) -> list[CloudFacts]:
 
 
 def imus_facts(imus: Mapping[str, ImuStream]) -> list[ImuFacts]:
-    """Return what the IMUs of a recording are, by the first messages of each topic."""
+    """Return the properties of a recording's IMUs, from the first messages of each topic."""
     facts = []
     for stream in imus.values():
         first = next(iter(stream), None)
@@ -117,12 +117,12 @@ def imus_facts(imus: Mapping[str, ImuStream]) -> list[ImuFacts]:
 
 
 def _place(mounts: NDArray[np.float64] | None) -> list[float] | None:
-    """Return the place x, y, z (m) of the first of the mounts (n, 4, 4)."""
+    """Return the position x, y, z (m) of the first of the mounts (n, 4, 4)."""
     return None if mounts is None else [round(float(value), 6) for value in mounts[0, :3, 3]]
 
 
 def stream_line(stream: CloudFacts | ImuFacts) -> str:
-    """Say what the clouds or the IMU of one topic are."""
+    """Return a line with the properties of one topic's clouds or IMU."""
     at = "" if stream.mount is None else f" at {', '.join(f'{value:g}' for value in stream.mount)} m"
     facts = f"frame {stream.frame}{at}"
     if isinstance(stream, ImuFacts):
@@ -136,7 +136,7 @@ def stream_line(stream: CloudFacts | ImuFacts) -> str:
 
 
 def size_line(topic: TopicContents, *, with_rate: bool = True) -> str:
-    """Say how large a topic is, over which time, and how often it comes."""
+    """Return a line with the size, span and rate of a topic."""
     size, unit = float(topic.bytes), "B"
     for larger in ("kB", "MB", "GB"):
         if size >= 1000.0:
@@ -146,7 +146,7 @@ def size_line(topic: TopicContents, *, with_rate: bool = True) -> str:
 
 
 def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
-    """Print what the cloud, or the scan graph, at ``path`` is."""
+    """Print the properties of the cloud, or the scan graph, at ``path``."""
     with refusing(path), progress_bar("Reading") as bar:
         scans = sum(1 for _ in read_scan_graph(path)) if kind == "scan graph" else None
         cloud = read_cloud(path, progress=bar)
@@ -165,7 +165,7 @@ def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
 
 
 def cloud_lines(facts: CloudDescription) -> list[str]:
-    """Say what is known of a cloud, a line for each fact."""
+    """Return the facts about a cloud, one per line."""
     rows = "" if facts.organised is None else f", {facts.organised[1]} × {facts.organised[0]}"
     parts = [f"{facts.points} points{rows}"]
     if facts.low is not None and facts.high is not None:
@@ -189,7 +189,7 @@ def _point(values: list[float]) -> str:
 
 
 def print_depth_folder(path: Path, *, as_json: bool) -> None:
-    """Print what the folder of depth images at ``path`` is."""
+    """Print the properties of the folder of depth images at ``path``."""
     with refusing(path):
         folder = read_depth_folder(path)
         first = folder.frames[0].read()
@@ -219,6 +219,6 @@ def print_depth_folder(path: Path, *, as_json: bool) -> None:
 
 
 def _range_of(depth: np.ndarray[Any, np.dtype[np.float32]]) -> list[float] | None:
-    """Return the least and the largest depth, metres, and the share of pixels that have one; None where none has."""
+    """Return the least and the greatest depth, metres, and the share of pixels with a depth; None without any."""
     known = depth[np.isfinite(depth)]
     return [float(known.min()), float(known.max()), len(known) / depth.size] if len(known) else None

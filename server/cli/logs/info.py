@@ -62,8 +62,8 @@ from server.cli.maps.map_log import cause_and_drift
 from server.cli.reading import read_joint, with_corrections, with_tum
 from server.version import package_version
 
-REPORT = "gridbloom-report.json"  #: what ``info --report`` writes, in the current folder
-#: Endings of clouds as text, which look like other tables of numbers.
+REPORT = "gridbloom-report.json"  #: file that ``info --report`` writes, in the current folder
+#: Endings of text clouds that look like other tables of numbers.
 TEXT_ENDINGS = {".xyz", ".xyzi", ".xyzn", ".xyzrgb", ".pts", ".csv", ".asc", ".neu", ".txt"}
 
 
@@ -140,7 +140,7 @@ def info(
 
 
 def _write_report(path: Path) -> None:
-    """Write the excerpt of a log, whether it can be read or not."""
+    """Write the excerpt of a log, whether or not it can be read."""
     if not path.exists():
         fail(f"{path}: There is no such file.")
     text = json.dumps({"gridbloom": package_version()} | excerpt(path), indent=1, ensure_ascii=False, allow_nan=False)
@@ -153,7 +153,7 @@ def _write_report(path: Path) -> None:
 
 
 def _causes(log: ScanLog, trajectory: str | None, parameters: dict[str, object]) -> list[str]:
-    """Return the note of ``map`` on what makes the log's map bad, if it is known."""
+    """Return the note of ``map`` on the cause of a bad map, if it is known."""
     config = configured(recorded_defaults(log.beam_width, parameters))
 
     return [line for line in cause_and_drift(log, trajectory, config) if line]
@@ -179,9 +179,9 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
 def _read(
     log: Path, topic: str | None, tf: str | None, *, with_contents: bool
 ) -> tuple[RobotLog, tuple[TopicContents, ...]] | Held:
-    """Return a log, and every topic of a recording if they are wanted, in one pass; end the command where it fails.
+    """Return a log and, if requested, every topic of a recording, in one pass; end the command on errors.
 
-    Of a recording without scans, what else it holds.
+    For a recording without scans, return its other contents.
     """
     with refusing(log), progress_bar("Reading") as bar:
         if not with_contents:
@@ -197,7 +197,7 @@ def _read(
 
 
 def _time_line(time: TimeSummary | None) -> str:
-    """Say when the scans of a log were made."""
+    """Return a line with the time of a log's scans."""
     if time is None or time.rate_hz is None:
         return "no times"
     parts = [] if time.start_s is None else [f"from {datetime.fromtimestamp(time.start_s, UTC):%Y-%m-%d %H:%M:%S} UTC"]
@@ -208,7 +208,7 @@ def _time_line(time: TimeSummary | None) -> str:
 
 
 def _sensor_line(topic: Topic) -> str:
-    """Say what is known of one topic of a log."""
+    """Return a line with the facts about one topic of a log."""
     parts = [f"{topic.name}: {topic.count} × {topic.type}"]
     if topic.beams is not None:
         parts.append(f"{topic.beams} beam{'s' if topic.beams != 1 else ''} over {topic.field_of_view_deg:.1f}°")

@@ -91,7 +91,7 @@ def report(
 def _corrected(
     path: Path, log: ScanLog, config: MappingConfig, trajectory: str | None, bar: Callable[[float], None] | None
 ) -> ScanLog:
-    """Return the log with the poses that SLAM makes of ``trajectory``, None: of its odometry."""
+    """Return the log with its poses from ``trajectory`` (None: from odometry) corrected by SLAM."""
 
     def show(done: SlamProgress) -> None:
         if bar is not None:
@@ -110,7 +110,7 @@ def _notes(path: Path, offset: tuple[float, float]) -> list[PlacedNote]:
 
 
 def _picture(path: Path, log: ScanLog, events: tuple[Event, ...]) -> Picture | None:
-    """Return the picture of the recording's first camera at the first event, else at the middle; None without one."""
+    """Return the first camera's picture at the first event, otherwise at the middle; None if there is none."""
     if not log.n_scans:
         return None
     scan = events[0].scan if events else log.n_scans // 2
@@ -122,5 +122,5 @@ def _picture(path: Path, log: ScanLog, events: tuple[Event, ...]) -> Picture | N
         message = message_at(path, topics[0].name, stamp_ns)
         data, media_type = picture_of(message.type, message.data, cdr=message.cdr)
     except MapperError:
-        return None  # a picture that cannot be read is no reason for no report
+        return None  # the report does not need a readable picture
     return Picture(data, media_type, topics[0].name, (stamp_ns - int(log.stamps_ns.min())) * 1e-9)

@@ -1,1 +1,1 @@
-"""Maps of a log, and what is done with map files."""
+"""Maps of a log, and operations on map files."""

@@ -138,7 +138,7 @@ def costmap(
 
 
 class SpeedScale(NamedTuple):
-    """Scale of a speed filter's mask: limits in m/s if ``is_absolute``, else in percent."""
+    """Scale of a speed filter's mask: limits in m/s if ``is_absolute``, otherwise in percent."""
 
     base: float
     multiplier: float
@@ -149,9 +149,9 @@ def with_masks(
     parameters: Nav2Costmap, params: Path | None, frame: str | None, keepout: Path | None, speed: Path | None,
     scale: SpeedScale,
 ) -> tuple[Nav2Costmap, Mapping[str, Mask]]:  # fmt: skip
-    """Return the parameters with a filter for each mask that is given, and the masks of all filters by their names.
+    """Return the parameters with a filter for each given mask, and the masks of all filters by name.
 
-    ``params`` is the parameter file, None without one. A file that is no mask ends the command with a sentence.
+    ``params`` is the parameter file, None without one. A file that is not a mask ends the command with a sentence.
     """
     masks: dict[str, Mask] = {}
     if params is not None:
@@ -175,5 +175,5 @@ def notes_on_masks(masks: Mapping[str, Mask]) -> list[str]:
 
 
 def count_unknown_as_free(parameters: Nav2Costmap, values: Int8Array, costs: UInt8Array) -> int:
-    """Return how many cells that a map does not know a costmap's costs (rows, cols) have as free, or as near a wall."""
+    """Return how many unknown cells of a map have costs (rows, cols) of free cells or of cells near a wall."""
     return 0 if parameters.general.track_unknown_space else int(((values < 0) & (costs < LETHAL)).sum())

@@ -1,4 +1,4 @@
-"""``edit``: carry out a list of edits on a map file."""
+"""``edit``: apply a list of edits to a map file."""
 
 from __future__ import annotations
 

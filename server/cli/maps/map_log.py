@@ -1,4 +1,4 @@
-"""``map`` makes the map of a log and notes what makes it bad."""
+"""``map`` computes the map of a log and reports why it is bad."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", help="Print no notes, and do not look for what makes the map bad.")
 ]
 
-SAME_POSES_M = 0.2  #: trajectories that are nowhere farther apart count as the same poses from two sources
+SAME_POSES_M = 0.2  #: trajectories that are never farther apart count as the same poses from two sources
 DRIFT = "walls.drift"
 
 
@@ -101,7 +101,7 @@ def map_log(
             prior=prior_map.grid if prior_map else None,
             bounds_of=lambda _, config, name: bounds_of_logs(logs, config, name),
         )
-        # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
+        # With no scans, this compiles the kernels, or loads them from the cache, before time is measured.
         integrate_log(grid, scans, config, trajectory, 0, 0)
         with progress_bar("Mapping") as bar:
             start = time.perf_counter()
@@ -176,7 +176,7 @@ def _joined(logs: Sequence[ScanLog]) -> ScanLog:
 
 
 def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:
-    """Return the frame of the poses of all sensors, and notes; end the command where they are in different ones."""
+    """Return the frame of the poses of all sensors, and notes; end the command if they differ."""
     trajectories = [log.trajectory(trajectory) for log in logs]
     frames = dict.fromkeys(trajectory.frame_id for trajectory in trajectories)
     if len(frames) < 2:
@@ -189,7 +189,7 @@ def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, lis
 
 
 def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
-    """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
+    """Return the number of deskewed scans, and a note on those that have no pose because of the time offset."""
     deskewed = left_out = 0
     for sensor in (part for log in logs for part in sensors_of(log)):
         plan = plan_update(config, sensor.range_min, sensor.range_max)
@@ -201,7 +201,7 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
 
 
 def _config_for(logs: Sequence[ScanLog], values: dict[str, object]) -> MappingConfig:
-    """Return the parameters that suit all sensors; end the command where they need different ones."""
+    """Return the parameters that suit all sensors; end the command if these need different ones."""
     configs = {configured(recorded_defaults(log.beam_width, values)) for log in logs}
     if len(configs) > 1:
         fail("The sensors need different models, as a sonar and a lidar do: map each by itself, and merge the maps.")
@@ -211,7 +211,7 @@ def _config_for(logs: Sequence[ScanLog], values: dict[str, object]) -> MappingCo
 def _export(
     log: ScanLog, growing_map: GrowingMap, trajectory: str | None, mcap: Path | None, tum: Path | None
 ) -> list[Path]:
-    """Write what was asked for; return the paths."""
+    """Write the requested files; return their paths."""
     for path in (mcap, tum):
         if path is None:
             continue
@@ -225,7 +225,7 @@ def _export(
 
 
 def cause_and_drift(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[str | None, str | None]:
-    """Return the line on the first cause of a bad map, and where none is known the line that the poses drift."""
+    """Return the line on the first cause of a bad map, and if none is known the line that the poses drift."""
     cause = first_cause(log, trajectory, config)
     if cause is None or any(note.startswith(cause.sentence) for note in log.notes):
         return None, None
@@ -242,7 +242,7 @@ def cause_line(finding: Finding) -> str:
 
 
 def _options(finding: Finding) -> dict[str, object]:
-    """Return the parameters that help, as options of ``map`` that its advice does not name already."""
+    """Return the helpful parameters, as options of ``map`` that its advice does not already name."""
     values = dict(finding.parameters or {})
     mount = [values.pop(f"mount_{axis}", 0.0) for axis in ("x", "y", "yaw")]
     options: dict[str, object] = {"mount": ",".join(f"{value:g}" for value in mount)} if any(mount) else {}

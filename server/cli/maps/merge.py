@@ -1,4 +1,4 @@
-"""``merge``: add map files of one place, or bring two logs of one place into one map."""
+"""``merge``: add map files of one place, or combine two logs of one place in one map."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def merge(
 
 
 def are_logs(paths: list[Path]) -> bool:
-    """Return whether all files are logs; end the command with an error where only some are."""
+    """Return whether all files are logs; end the command with an error if only some are."""
     logs = [path for path in paths if path.suffix.lower() not in {".yaml", ".yml"} and is_log(path)]
     if logs and len(logs) != len(paths):
         fail(f"{logs[0]} is a log and others are map files: map files can be merged, or two logs.")
@@ -137,7 +137,7 @@ def merge_log_files(
     *,
     as_json: bool,
 ) -> None:
-    """Merge two logs, which ``read`` returns, and print what came of it."""
+    """Merge two logs, which ``read`` returns, and print the result."""
     if len(paths) != 2:
         fail(f"merge takes two logs at a time, not {len(paths)}.")
     first, second = map(read, paths)

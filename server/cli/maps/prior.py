@@ -46,7 +46,7 @@ class PriorMap:
     is_frame_given: bool
 
     def notes_for(self, log: ScanLog, trajectory: str | None) -> tuple[str, ...]:
-        """Return the notes on this map as the prior of ``log``; end the command where their frames differ."""
+        """Return the notes on this map as the prior of ``log``; end the command if their frames differ."""
         with refusing(self.path):
             frame = log.trajectory(trajectory).frame_id
         name = trajectory or log.default_trajectory
@@ -75,7 +75,7 @@ def given_prior(
 ) -> tuple[dict[str, object], PriorMap | None]:
     """Return the parameters with a prior that is a number or a map file, and the map.
 
-    Where no other resolution is given, it is that of the map.
+    Unless another resolution is given, it is that of the map.
     """
     number = None if text is None else value_of(BY_NAME["log_odds_prior"], text)
     if text is None or isinstance(number, float):

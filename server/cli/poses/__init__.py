@@ -1,1 +1,1 @@
-"""Commands that find poses, and judge them."""
+"""Commands that estimate and evaluate poses."""

@@ -28,7 +28,7 @@ from server.cli.commands import app
 from server.cli.common import AsJson, TfTopic, TopicName, fail, print_json, print_notes, refusing
 from server.cli.reading import read_log
 
-Read = Callable[[Path], ScanLog]  #: a log, as the options say
+Read = Callable[[Path], ScanLog]  #: reads a log according to the options
 
 FIGURES = ("rmse", "mean", "median", "std", "min", "max", "sse")
 NAMES = {"rigid": "rotation and translation", "scaled": "rotation, translation and scale", "origin": "first pose"}
@@ -148,7 +148,7 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, read: R
         fail(f"{estimate}: There are {len(poses)} poses, and {scans.n_scans} scans in the log: one for each is needed.")
     with refusing(path):
         records = odometry_records(path, topic=scans.topic)
-        # A pose belongs to the scan with its number: stamps repeat, and programs change them.
+        # A pose belongs to the scan with its number, because stamps repeat, and programs change them.
         at_scans = type(poses)(scans.stamps_ns, poses.poses, poses.notes)
         errors = evaluate_relations(known, at_scans, records)
     judged = estimate or f"{path}:{name or scans.default_trajectory}"
@@ -194,7 +194,7 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, read: R
 
 
 def _beside(published: Sequence[PublishedResult], errors: RelationErrors, clear: dict[str, ErrorSeries] | None) -> None:
-    """Print the mean errors of the poses beside published ones."""
+    """Print the mean errors of the poses next to published ones."""
     rows = [("these poses", errors.translation, errors.rotation)]
     if clear is not None:
         rows.append(("these poses, unambiguous", clear["translation"], clear["rotation"]))
@@ -213,7 +213,7 @@ def _beside(published: Sequence[PublishedResult], errors: RelationErrors, clear:
 
 
 def _path_and_name(text: str) -> tuple[Path, str | None]:
-    """Return a file and, of LOG:TRAJECTORY, the name of the trajectory."""
+    """Return a file and, for LOG:TRAJECTORY, the name of the trajectory."""
     if not Path(text).exists():
         for at, letter in enumerate(text):
             if letter == ":" and Path(text[:at]).exists():

@@ -1,4 +1,4 @@
-"""``localize``: where in a map the robot was at each scan of a log."""
+"""``localize``: the robot's poses in a map at the scans of a log."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ from server.cli.common import (
 )
 from server.cli.reading import read_joint, with_corrections
 
-#: How the command is given odometry that the log lacks.
+#: How to provide the command with odometry that the log lacks.
 NO_ODOMETRY = " `gridbloom slam {log} --out out/slam` writes it: then add --tum-trajectory out/slam.tum here."
 COVARIANCE = ".covariance.csv"
-LEAST_CONVERGED = 0.5  #: of the scans since the filter first converged: a smaller share is said
+LEAST_CONVERGED = 0.5  #: share of the scans since the filter first converged; a smaller share is reported
 
 
 @app.command()
@@ -147,9 +147,9 @@ def localize(
 
 
 def doubts(localized: Localized, first: int) -> list[str]:
-    """Return a sentence where the filter, once converged, was mostly uncertain, and one where it was never sure.
+    """Return a sentence if the filter, once converged, was mostly uncertain, and one if it was never sure.
 
-    ``first`` is where it converged.
+    ``first`` is the scan at which it converged.
     """
     since, out = localized.is_converged[first:], []
     if since.mean() < LEAST_CONVERGED:
@@ -168,7 +168,7 @@ def doubts(localized: Localized, first: int) -> list[str]:
 def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationConfig, list[str]]:
     """Return the parameters of a yaml with those given as NAME=VALUE replaced, and notes on the yaml.
 
-    An error ends the command.
+    Errors end the command.
     """
     config = LocalizationConfig()
     notes: list[str] = []

@@ -41,12 +41,12 @@ from server.cli.common import (
 )
 from server.cli.reading import read_log, with_corrections
 
-Read = Callable[[Path], ScanLog]  #: a log, as the options say
+Read = Callable[[Path], ScanLog]  #: reads a log according to the options
 
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """One of the two: a scan of a log, or a map (``index`` None)."""
+    """One of the two inputs: a scan of a log, or a map (``index`` None)."""
 
     name: str
     path: Path
@@ -122,7 +122,7 @@ def match(
 
 
 def _sides(first: str, second: str | None, scans: tuple[int, int] | None) -> tuple[Side, Side]:
-    """Return what is to be matched, or end the command with an error."""
+    """Return the inputs to match, or end the command with an error."""
     if scans is not None:
         if second is not None:
             fail("match takes LOG --scans I J, or A and B, not both.")
@@ -177,7 +177,7 @@ def _match_maps(
 
 
 def _grid(path: Path, read: Read, trajectory: str | None) -> tuple[OccupancyGrid, tuple[str, ...]]:
-    """Return the map of a map file with the notes on it, or that of a log by its poses."""
+    """Return the map of a map file with the notes on it, or that of a log along its poses."""
     if path.suffix.lower() in {".yaml", ".yml"} or not is_log(path):
         with refusing(path):
             loaded = load_map(path)

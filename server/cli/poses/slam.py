@@ -44,13 +44,13 @@ from server.cli.map_files import save
 from server.cli.reading import read_joint, with_corrections
 
 SLAM = "slam"  #: name of the trajectory
-#: of :class:`mapper.diagnosis.figures.MapFigures`: words, and how a value is printed
+#: of :class:`mapper.diagnosis.figures.MapFigures`: description and number format
 FIGURES: Mapping[str, tuple[str, Callable[[float], str]]] = {
     "drift_m": ("drift of the walls", "{:.2f} m".format),
     "contradicted": ("readings contradicted by those of another time", lambda share: f"{100 * share:.1f} %"),
     "sharpness": ("sharpness of the walls", "{:.3f}".format),
 }
-WORTH_SAYING_S = 10.0  #: seconds of processor time that are announced
+WORTH_SAYING_S = 10.0  #: seconds of processor time above which they are announced
 
 
 @app.command()
@@ -148,7 +148,7 @@ def slam(
 
 
 def _figure_lines(before: MapFigures | None, after: MapFigures) -> list[str]:
-    """Return what tells whether the map can be trusted, along the poses after SLAM and before."""
+    """Return figures that show whether the map can be trusted, along the poses after SLAM and before."""
     lines = []
     for name, (words, form) in FIGURES.items():
         was, now = (None if value_ is None else getattr(value_, name) for value_ in (before, after))
@@ -167,7 +167,7 @@ def _configured(values: list[str]) -> SlamConfig:
 
 
 def with_slam_poses(log: ScanLog, result: SlamResult) -> ScanLog:
-    """Return the log with the poses that SLAM found as its last trajectory, :data:`SLAM`."""
+    """Return the log with the poses from SLAM as its last trajectory, :data:`SLAM`."""
     offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
     corrected = Trajectory(result.poses, "poses corrected by SLAM", "map", from_scans=True, offset=offset)
     return replace(log, trajectories={**{k: v for k, v in log.trajectories.items() if k != SLAM}, SLAM: corrected})
@@ -178,7 +178,7 @@ def _write(prefix: Path, log: ScanLog, result: SlamResult) -> list[Path]:
 
 
 def write_texts(prefix: Path, texts: dict[str, str]) -> list[Path]:
-    """Write files whose names begin with a prefix, by what their names end with; return their paths."""
+    """Write files named by a prefix and the endings in ``texts``; return their paths."""
     paths = []
     for ending, text in texts.items():
         path = prefix.with_name(prefix.name + ending)

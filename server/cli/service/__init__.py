@@ -1,1 +1,1 @@
-"""``serve``, ``upload``, ``notes``, ``backup`` and ``restore``: the service, and commands that reach one."""
+"""``serve``, ``upload``, ``notes``, ``backup`` and ``restore``: the service, and commands that connect to one."""

@@ -24,7 +24,7 @@ ELSEWHERE = (
 
 
 def _folder(data_dir: Path | None) -> Path:
-    """Return the data folder that is meant. Ends the command where it does not hold everything."""
+    """Return the data folder. Ends the command if it does not contain all data."""
     settings = Settings()
     if settings.database is not None or settings.blobs is not None:
         fail(ELSEWHERE)

@@ -27,7 +27,7 @@ def serve(
     data_dir: Annotated[
         Path | None,
         typer.Option(
-            readable=False,  # it may not exist yet, and what is wrong with it is said below
+            readable=False,  # it may not exist yet; errors are reported below
             help="Folder for uploaded logs. [gridbloom in the folder XDG_DATA_HOME, by default ~/.local/share]",
         ),
     ] = None,

@@ -1,4 +1,4 @@
-"""``upload`` sends a log to a service; ``notes`` writes the notes on a log of one to a file."""
+"""``upload`` sends a log to a service; ``notes`` writes the notes on one of its logs to a file."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def upload(
 
 
 def _contents(record: Mapping[str, Any]) -> str:
-    """Say in words how much a log has of what it has (scans, points, costmaps or cells), and its format."""
+    """Return a log's numbers of scans, points, costmaps or cells, and its format, in words."""
     if record["map"] is not None:
         return f"a map of {record['map']['cols']} × {record['map']['rows']} cells"
     if record["clouds"]:

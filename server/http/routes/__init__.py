@@ -1,1 +1,1 @@
-"""The HTTP and WebSocket routes: thin; parse, call, answer."""
+"""The HTTP and WebSocket routes. They only parse, call and answer."""

@@ -1,4 +1,4 @@
-"""``/api/classes/{code}/puzzle``: a puzzle that a whole class solves, each in a session of one's own."""
+"""``/api/classes/{code}/puzzle``: a puzzle that a whole class solves, each member in a separate session."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ async def give(
     code: str,
     body: PuzzleOfClass,
 ) -> None:
-    """Have the class solve a puzzle."""
+    """Assign a puzzle to the class."""
     room = owned_class(brake, classes, code, request, visitor)
     known = {puzzle.name: puzzle.title for puzzle in puzzles.offered()}
     room.give_puzzle(body.puzzle, known.get(body.puzzle) or library.puzzles.get(body.puzzle).title)
@@ -67,7 +67,7 @@ async def begin(
     code: str,
     name: Name = None,
 ) -> SessionAnswer:
-    """Begin an attempt at the puzzle of the class; an attempt that is under way goes on."""
+    """Begin an attempt at the puzzle of the class. A running attempt continues."""
     room = joined_class(brake, classes, code, request, visitor)
     puzzle = room.puzzle
     if puzzle is None:
@@ -96,7 +96,7 @@ async def begin(
         room.solver_moved(puzzle, ClassSolver(number, progress.is_named, progress.best, game.is_solved, game.points))
 
     if number:  # the lecturer may try it too
-        # What was found, asked for and given up stays with the number: who begins again goes on with it.
+        # Progress is stored by number, so that a follower who begins again continues with it.
         game.progress = puzzle.progress.setdefault(number, game.progress)
         game.changed = changed
         changed()

@@ -1,7 +1,7 @@
 """``/api/classes``: open a class, join and follow it; ``/join``, ``/class/CODE``: its pages.
 
-Who knows the code of a class may follow it without the service's token, and do nothing else: see what the lecturer
-shows, answer questions, and begin a session of their own that is a copy of the lecturer's.
+With the code of a class, a visitor may follow it without the service's token: see what the lecturer shows, answer
+questions, and begin a session that is a copy of the lecturer's. Nothing else is allowed.
 """
 
 from __future__ import annotations
@@ -46,15 +46,15 @@ if TYPE_CHECKING:
     from server.sessions import SessionHost
     from server.settings import Settings
 
-MAX_COPIES = 2  #: of the lecturer's world that one follower has, one of which is about to end
+MAX_COPIES = 2  #: of the lecturer's world for one follower, one of which is about to end
 router = APIRouter(tags=["classes"])
 
-#: Tells a reverse proxy in front of several services which class this one has (``deploy/haproxy.cfg``).
+#: Tells a reverse proxy in front of several services which class this service has (``deploy/haproxy.cfg``).
 CLASS_HEADER = "X-Gridbloom-Class"
 
 
 def _braked(brake: CodeGuesses, classroom: Classroom | None, request: Request | WebSocket, visitor: str) -> Classroom:
-    """Return the class of a code that was given. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
+    """Return the class of a code. Raises :class:`ClassNotFoundError`, and 429 after many guesses."""
     address = client_address(request)
     if brake.wait_s(visitor, address) > 0.0:
         raise SessionBudgetError(
@@ -67,22 +67,23 @@ def _braked(brake: CodeGuesses, classroom: Classroom | None, request: Request | 
 
 
 def _guessed(brake: CodeGuesses, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
-    """Return a class to a visitor who gives its code. Raises as ``_braked``.
+    """Return a class to a visitor who has sent its code. Raises like ``_braked``.
 
-    Who is in the class does not guess: in a hall with one address, others' wrong codes keep nobody from coming back.
+    Members of the class do not count as guessing, so in a hall with one address, others' wrong codes do not lock them
+    out.
     """
     return classes.joined(code, visitor) or _braked(brake, classes.find(code), request, visitor)
 
 
 def owned_class(brake: CodeGuesses, classes: Classes, code: str, request: Request, visitor: str) -> Classroom:
-    """Return a class to its lecturer. Raises as ``_braked`` for anybody else, whether there is such a class or not."""
+    """Return a class to its lecturer. Raises like ``_braked`` for anyone else, whether or not the class exists."""
     return classes.owned(code, visitor) or _braked(brake, None, request, visitor)
 
 
 def joined_class(
     brake: CodeGuesses, classes: Classes, code: str, request: Request | WebSocket, visitor: str
 ) -> Classroom:
-    """Return a class to a visitor who has joined it or may join. Raises as ``_guessed`` and :meth:`Classes.check`."""
+    """Return a class to a visitor who has joined it or may join. Raises like ``_guessed`` and :meth:`Classes.check`."""
     room = _guessed(brake, classes, code, request, visitor)
     classes.check(room, visitor, client_address(request))
     return room
@@ -90,7 +91,7 @@ def joined_class(
 
 @dataclass(frozen=True, slots=True)
 class ClassAnswer:
-    """A class that one may join, how many are in it, and which page it shows."""
+    """A class that a visitor may join, the number of its members, and the page that it shows."""
 
     code: str
     present: int
@@ -99,7 +100,7 @@ class ClassAnswer:
 
 @dataclass(frozen=True, slots=True)
 class OpenClassAnswer(ClassAnswer):
-    """A class as its lecturer sees it: the addresses of its page, of the counted answers, and of its QR code."""
+    """A class as seen by its lecturer: the addresses of its page, of the counted answers, and of its QR code."""
 
     address: str
     results: str
@@ -121,7 +122,7 @@ def _public(request: Request, room: Classroom) -> OpenClassAnswer:
 
 @router.post("/api/classes", status_code=201)
 async def open_class(request: Request, response: Response, classes: OpenClasses, visitor: Visitor) -> OpenClassAnswer:
-    """Open a class, or return the one that this visitor has open."""
+    """Open a class, or return this visitor's open class."""
     room = classes.open(visitor)
     room.place = chosen_place(request)
     response.headers[CLASS_HEADER] = room.code
@@ -132,7 +133,7 @@ async def open_class(request: Request, response: Response, classes: OpenClasses,
     "/api/classes", response_model=OpenClassAnswer, responses={204: {"description": "This visitor has no class open."}}
 )
 async def mine(request: Request, classes: OpenClasses, visitor: Visitor) -> OpenClassAnswer | Response:
-    """Return the class that this visitor has open."""
+    """Return this visitor's open class."""
     room = classes.of(visitor)
     return Response(status_code=204) if room is None else _public(request, room)
 
@@ -141,7 +142,7 @@ async def mine(request: Request, classes: OpenClasses, visitor: Visitor) -> Open
 async def end(
     request: Request, classes: OpenClasses, brake: CodeBrake, sessions: Sessions, visitor: Visitor, code: str
 ) -> None:
-    """End a class; its results are forgotten, and the sessions of its followers end."""
+    """End a class. Its results are deleted, and the sessions of its followers end."""
     room = owned_class(brake, classes, code, request, visitor)
     classes.close(room)
     await sessions.end_linked(link_of(room))
@@ -172,7 +173,7 @@ async def qr(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: 
 @router.get("/api/classes/{code}")
 @guests_may(GuestRight.ALWAYS)
 async def one(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> ClassAnswer:
-    """Return whether there is a class of this code that one may join, and which page it shows."""
+    """Return whether there is a class with this code that can be joined, and which page it shows."""
     room = joined_class(brake, classes, code, request, visitor)
     return ClassAnswer(room.code, room.present, room.view.page)
 
@@ -188,7 +189,7 @@ async def stream(
     code: str,
     follows: bool = False,
 ) -> None:
-    """Exchange messages with a class; ``follows``: a page that follows it, also in its lecturer's browser."""
+    """Exchange messages with a class. ``follows`` is for a page that follows it, also in its lecturer's browser."""
     await imported("server.http.class_connection")
     from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
 
@@ -200,24 +201,24 @@ async def stream(
 
 
 def places_of(settings: Settings) -> int:
-    """Return how many sessions the followers of a class may have together."""
+    """Return the maximum number of sessions of a class's followers."""
     return max(1, settings.max_sessions // 2)
 
 
 def link_of(room: Classroom) -> str:
-    """Return what marks the sessions of a class's followers."""
+    """Return the link that marks the sessions of a class's followers."""
     return f"class {room.code}"
 
 
 def puzzle_link_of(room: Classroom, number: int) -> str:
-    """Return what marks the attempts of a class's followers at its puzzle of this number, from 1."""
+    """Return the link that marks the attempts of a class's followers at its puzzle of this number, from 1."""
     return f"{link_of(room)} puzzle {number}"
 
 
 def _shown(
     classes: Classes, room: Classroom, sessions: SessionRegistry, connection: Request | WebSocket, visitor: str
 ) -> SessionHost:
-    """Return the session that a class shows, to a visitor who has joined or may join."""
+    """Return the session shown by a class, to a visitor who has joined or may join."""
     classes.check(room, visitor, client_address(connection))
     if room.session is None:
         raise MapperError("class.no_session", "The lecturer is not showing a map.")
@@ -235,7 +236,7 @@ async def shown(
     visitor: Visitor,
     code: str,
 ) -> None:
-    """Watch the session that the lecturer shows. Commands are refused, except from whom the robot was handed to."""
+    """Watch the session that the lecturer shows. Commands are refused, except from the follower who has the robot."""
     await imported("server.http.stream_connection")
     from server.http.stream_connection import Following, exchange  # noqa: PLC0415 - comes with the first session
 
@@ -259,7 +260,7 @@ async def fork(
     visitor: Visitor,
     code: str,
 ) -> SessionAnswer:
-    """Begin a session of one's own with the present state of the one that the lecturer shows."""
+    """Begin a session with the current state of the one that the lecturer shows."""
     room = _guessed(brake, classes, code, request, visitor)
     session = _shown(classes, room, sessions, request, visitor)
 
@@ -270,14 +271,14 @@ async def fork(
 
     async def begun() -> SessionHost:
         earlier = [s for s in sessions.all() if s.link == link and s.owner == visitor]
-        if len(earlier) >= MAX_COPIES:  # made by pages that asked at the same time
+        if len(earlier) >= MAX_COPIES:  # created by pages that sent requests at the same time
             raise SessionBudgetError("class.copies", "You have too many copies of this world: wait a moment.")
         plan = await _copy(session, settings.max_story_s)
         address, places = client_address(request), places_of(settings)
         session_of_class = await sessions.begin(
             plan, visitor, link=link, address=address, places=places, place=session.place
         )
-        for class_ in earlier:  # not before there is another one
+        for class_ in earlier:  # only once there is another one
             with suppress(SessionNotFoundError):
                 await sessions.close(class_.id)
         return session_of_class
@@ -287,7 +288,7 @@ async def fork(
 
 
 async def _copy(session: SessionHost, max_story_s: float) -> Plan:
-    """Return the plan of a session with the state that another one has now: a world, or a view of a log."""
+    """Return the plan of a session with the current state of another one: a world, or a view of a log."""
     recording, replayable = session.model.find(Recording), session.model.find(Replayable)
     if recording is not None:
         return log_plan(recording.log, title=session.model.title, view=recording.view(), playing=False)
@@ -303,14 +304,14 @@ async def _copy(session: SessionHost, max_story_s: float) -> Plan:
 @router.api_route("/join", methods=["GET", "HEAD"], include_in_schema=False)
 @guests_may(GuestRight.ALWAYS)
 async def join_page(request: Request) -> Response:
-    """Return the page on which the code of a class is typed."""
+    """Return the page for entering the code of a class."""
     return page_file(request, "join.html")
 
 
 @router.get("/class/{code}", include_in_schema=False)
 @guests_may(GuestRight.ALWAYS)
 async def enter(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> Response:
-    """Redirect to the page that a class shows, or to the one on which a code is typed."""
+    """Redirect to the page that a class shows, or to the one for entering a code."""
     try:
         room = joined_class(brake, classes, code, request, visitor)
     except MapperError as error:

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/contents``: what the recording of a session's log holds besides the scans of its map."""
+"""``/api/sessions/{id}/contents``: the contents of a log's recording besides the scans of its map."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
-LAST_NS = 1 << 62  #: SQLite's numbers end at twice as much
+LAST_NS = 1 << 62  #: SQLite's integers end at twice as much
 
 
 class NotInspectedError(MapperError):
@@ -40,7 +40,7 @@ class NotInspectedError(MapperError):
 
 @dataclass(frozen=True, slots=True)
 class HeldContents:
-    """What the recording of a session holds, and its times on the page's time line."""
+    """The contents of a session's recording, and its times on the page's time line."""
 
     recording: Recording
     contents: Contents
@@ -52,18 +52,18 @@ class HeldContents:
 
     @property
     def recorded_ahead_ns(self) -> int:
-        """Time from the stamp of the log's first scan to its recording, ns; it includes a difference of clocks."""
+        """Time from the stamp of the log's first scan to its recording, ns, including the difference of the clocks."""
         log = self.recording.log
         name = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
         firsts = [topic.first_ns for topic in self.contents.topics if topic.name == name and topic.first_ns]
         return firsts[0] - self.origin_ns if firsts else 0
 
     def origin_of(self, series: Series) -> int:
-        """Return the stamp of a series that is 0 s."""
+        """Return the stamp of a series that corresponds to 0 s."""
         return self.origin_ns + (self.recorded_ahead_ns if series.recorded else 0)
 
     def recorded_ns(self, seconds: float) -> int:
-        """Return when a message was recorded at a moment: later than the stamp of the scan of that moment."""
+        """Return the recording time for a moment, which is later than the stamp of the scan at that moment."""
         return min(max(self.origin_ns + self.recorded_ahead_ns + round(seconds * 1e9), 0), LAST_NS)
 
     def seconds(self, stamp_ns: int) -> float:
@@ -91,7 +91,7 @@ async def _looked_into(
 async def look_into(
     request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str
 ) -> HeldContents:
-    """Return what the recording of a session holds, which is to be known. Raises :class:`NotInspectedError`."""
+    """Return the contents of a session's recording, if they are known. Raises :class:`NotInspectedError`."""
     recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(contents, float):
         message = "The contents of the recording are still being read; /contents reports the progress."
@@ -101,7 +101,7 @@ async def look_into(
 
 @dataclass(frozen=True, slots=True)
 class ContentsReading:
-    """What the recording holds is still being found out: ``progress`` from 0 to 1."""
+    """The contents of the recording are still being read: ``progress`` from 0 to 1."""
 
     progress: float
     state: Literal["reading"] = "reading"
@@ -109,12 +109,11 @@ class ContentsReading:
 
 @dataclass(frozen=True, slots=True)
 class TopicAnswer:
-    """A topic of the recording; times are seconds since the log's first scan, null for messages without a time.
+    """A topic of the recording. Times are seconds since the log's first scan, null for topics without times.
 
-    They are those of the recording, less the time from the stamp of that scan to its own recording.
-
-    ``mapped`` says whether the map is made of it, null for a topic of which no map can be made; ``cut`` whether it has
-    clouds or images, out of which scans can be cut.
+    They are recording times, minus the delay from the stamp of that scan to its recording. ``mapped`` says whether the
+    map uses the topic, null if no map can be made from it; ``cut`` whether it has clouds or images from which scans can
+    be cut.
     """
 
     name: str
@@ -130,7 +129,7 @@ class TopicAnswer:
 
 @dataclass(frozen=True, slots=True)
 class PlottedTopic:
-    """A topic whose numbers can be plotted."""
+    """A topic with numbers for plots."""
 
     topic: str
     type: str
@@ -140,7 +139,7 @@ class PlottedTopic:
 
 @dataclass(frozen=True, slots=True)
 class ContentsAnswer:
-    """What the recording holds; ``pictures`` are the topics with images or clouds, ``frames`` counts frames."""
+    """The contents of the recording; ``pictures`` are topics with images or clouds, ``frames`` a number of frames."""
 
     topics: list[TopicAnswer]
     series: list[PlottedTopic]
@@ -160,8 +159,8 @@ async def contents(
 ) -> ContentsAnswer | ContentsReading:
     """Return every topic of the recording, and which of them can be plotted.
 
-    The first request has it found out, which may take as long as reading the log did: until then the answer is 202
-    with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds since the log's first scan.
+    The first request starts reading them, which may take as long as reading the log. Until then the answer is 202 with
+    ``progress`` from 0 to 1, and each request keeps the reading alive. Times are seconds since the log's first scan.
     """
     recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(contents, float):
@@ -190,13 +189,13 @@ async def contents(
 @router.delete("/{session_id}/contents", status_code=204)
 @guests_may(GuestRight.LINKED_SESSION)
 async def stop(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> None:
-    """Stop finding out what the recording holds, if this visitor began it; the next request for it begins again."""
+    """Stop reading the contents of the recording, if this visitor began it. The next request starts again."""
     recording = _recording(sessions, session_id)
     library.stop_inspecting(owner_of(sessions, library, session_id), recording.log_id, visitor)
 
 
 def owner_of(sessions: SessionRegistry, library: Library, session_id: str) -> str:
-    """Return whose log the session is of: for a guest that of the link's owner."""
+    """Return the owner of a session's log; for a guest, the owner of the link."""
     session = sessions.get(session_id)
     return session.owner if session.link is None else library.links.get(session.link).owner
 
@@ -230,13 +229,13 @@ async def series(
     end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
     buckets: Buckets = BUCKETS,
 ) -> Response:
-    """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
+    """Return the numbers of one topic's messages over time, as extreme values, at most two rows per bucket."""
     held = await look_into(request, sessions, library, visitor, session_id)
     series = next((series for series in held.contents.series if series.topic == topic), None)
     if series is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
 
-    # A series may have millions of samples: on the event loop it would hold up all streams.
+    # A series may have millions of samples, which would delay all streams if processed on the event loop.
     return await in_turn(
         request,
         work,
@@ -256,9 +255,9 @@ async def picture(
     topic: Annotated[str, Query(max_length=400)],
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> Response:
-    """Return the newest image on a topic at a moment as JPEG, or its newest point cloud from above as PNG.
+    """Return the latest image of a topic at a moment as JPEG, or its latest point cloud from above as PNG.
 
-    The header ``X-Picture-Seconds`` says when it was recorded, on the same clock as ``at``.
+    The header ``X-Picture-Seconds`` is its recording time, on the same clock as ``at``.
     """
     held = await look_into(request, sessions, library, visitor, session_id)
     if not any(topic_.name == topic and topic_.type in PICTURED for topic_ in held.contents.topics):
@@ -275,10 +274,10 @@ async def picture(
 
 @dataclass(frozen=True, slots=True)
 class CameraAnswer:
-    """Where a camera's image has a place on the map's floor.
+    """The place of a point of the map's floor in a camera's image.
 
-    ``u`` and ``v`` are shares of the image's width and height from its upper left corner, 0 for a place that is not
-    inside. ``where`` is null where the recording lacks something for it, which ``why`` says.
+    ``u`` and ``v`` are fractions of the image's width and height from its upper left corner, 0 for a point outside.
+    ``where`` is null if the recording lacks necessary data; ``why`` says which.
     """
 
     where: Literal["inside", "outside", "behind"] | None
@@ -300,7 +299,7 @@ async def camera(
     y: Annotated[float, Query(allow_inf_nan=False, description="Metres in the map.")],
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> CameraAnswer:
-    """Return where an image on a topic has a place of the map at a moment, along the trajectory in use."""
+    """Return where a point of the map is in an image of a topic at a moment, along the current trajectory."""
     held = await look_into(request, sessions, library, visitor, session_id)
     log = held.recording.log
     trajectory = log.trajectories[held.recording.trajectory]
@@ -316,7 +315,7 @@ async def camera(
 
 @dataclass(frozen=True, slots=True)
 class LineAnswer:
-    """A line that a node logged, ``seconds`` from the log's first scan; ``level`` as ROS 2 has them, 10 to 50."""
+    """A line logged by a node, ``seconds`` from the log's first scan; ``level`` as in ROS 2, 10 to 50."""
 
     seconds: float
     level: int
@@ -327,7 +326,7 @@ class LineAnswer:
 
 @dataclass(frozen=True, slots=True)
 class LinesAnswer:
-    """What nodes logged, ascending in time; ``left_out`` counts those beyond the limit."""
+    """The lines logged by nodes, ascending in time; ``left_out`` is the number beyond the limit."""
 
     lines: list[LineAnswer]
     left_out: int
@@ -338,7 +337,7 @@ class LinesAnswer:
 async def lines(
     request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
 ) -> Response:
-    """Return the lines of /rosout and the changes of the states on /diagnostics."""
+    """Return the lines of /rosout and the state changes on /diagnostics."""
     held = await look_into(request, sessions, library, visitor, session_id)
     return await in_turn(request, work, visitor, lambda: json_answer(_lines(held)))
 
@@ -360,10 +359,11 @@ def _lines(held: HeldContents) -> LinesAnswer:
 
 @dataclass(frozen=True, slots=True)
 class MessageAnswer:
-    """A message of a recording: topic, type, size, and the ``fields`` by name, as ``ros2 topic echo`` has them.
+    """A message of a recording: topic, type, size, and the ``fields`` by name, as in ``ros2 topic echo``.
 
-    ``seconds`` is when it was recorded, from the log's first scan; ``stamp_ns`` the same since 1970, as text, as JSON's
-    numbers are not exact there. Arrays are cut after their first elements, with a text that says how many follow.
+    ``seconds`` is its recording time from the log's first scan. ``stamp_ns`` is the same since 1970, as text, because
+    JSON numbers are not exact enough. Arrays are cut after their first elements, with a text that gives the number of
+    the omitted ones.
     """
 
     topic: str
@@ -385,7 +385,7 @@ async def message(
     topic: Annotated[str, Query(max_length=400)],
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> MessageAnswer:
-    """Return the newest message on a topic at a moment, by the definition that the recording carries."""
+    """Return the latest message on a topic at a moment, decoded by the definition in the recording."""
     held = await look_into(request, sessions, library, visitor, session_id)
     if not any(topic_.name == topic for topic_ in held.contents.topics):
         raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
@@ -400,12 +400,12 @@ async def message(
 
 @dataclass(frozen=True, slots=True)
 class FrameEdgeAnswer:
-    """The transforms between two frames; ``age_s`` is that of the newest at the moment, null before the first.
+    """The transforms between two frames; ``age_s`` is that of the latest at the moment, null before the first.
 
-    ``offset`` x, y, z, metres, and ``angles`` roll, pitch, yaw, radians (REP 103), are those of the child in the parent
-    at the moment, interpolated between two transforms as tf2 does; after the last they are its, before the first null.
-    ``publishers`` are nodes, where the recording names them: a ROS 1 bag, or an MCAP file that was made of one.
-    ``used`` is false for a second parent of the same frame, which is not followed.
+    ``offset`` x, y, z, metres, and ``angles`` roll, pitch, yaw, radians (REP 103), are the child's pose in the parent
+    at the moment, interpolated between two transforms as in tf2. After the last transform they are the last one's,
+    before the first null. ``publishers`` are nodes, if the recording names them: a ROS 1 bag, or an MCAP file converted
+    from one. ``used`` is false for a second parent of the same frame, which is ignored.
     """
 
     topic: str
@@ -453,11 +453,11 @@ async def frames(
         str | None, Query(max_length=400, description="The topic of the transforms; else the sensor's.")
     ] = None,
 ) -> FramesAnswer:
-    """Return the transforms of the recording: the age of each at a moment, and what is missing between frames.
+    """Return the transforms of the recording: the age of each at a moment, and gaps between frames.
 
-    Robots of one recording may have the same frames, each on topics of its own: these are the trees. The fixed frame is
-    that of the session's trajectory unless ``fixed`` names another one; where the recording's transforms do not have
-    that frame, it is the root above the sensor's.
+    Robots of one recording may have the same frames, each on its own topics; these are the trees. The fixed frame is
+    that of the session's trajectory unless ``fixed`` names another one. If the recording's transforms do not contain
+    it, it is the root above the sensor's frame.
     """
     held = await look_into(request, sessions, library, visitor, session_id)
     log = held.recording.log
@@ -523,7 +523,7 @@ async def frame_age(
     child: Annotated[str, Query(max_length=200)],
     buckets: Buckets = BUCKETS,
 ) -> Response:
-    """Return the age of a transform that moves over the time of the log, seconds: it grows until the next one comes."""
+    """Return the age of a moving transform over the time of the log, seconds. It grows until the next transform."""
     held = await look_into(request, sessions, library, visitor, session_id)
     key = (tf, parent, child)
     edge = next((edge for edge in held.contents.edges if (edge.topic, edge.parent, edge.child) == key), None)
@@ -531,7 +531,7 @@ async def frame_age(
         raise MapperError("contents.no_edge", f"No transforms from {child!r} to {parent!r} move on {tf!r:.200}.")
     until_ns = int(held.recording.log.stamps_ns.max(initial=held.origin_ns))
 
-    # No gaps: the line over a pause of the transforms is the age that is asked for.
+    # No gaps, because the line over a pause of the transforms is the requested age.
     return await in_turn(
         request,
         work,

@@ -1,4 +1,4 @@
-"""``/api/docs``: the HTTP interface on one page, made from the OpenAPI document, without requests to other hosts."""
+"""``/api/docs``: the HTTP interface on one page, from the OpenAPI document, without requests to other hosts."""
 
 from __future__ import annotations
 

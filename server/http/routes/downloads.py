@@ -40,9 +40,9 @@ def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
 
 @router.get("/{session_id}/run.mcap", **file_answer("application/octet-stream"))
 async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return the log, and its map as it grew up to the present scan, as an MCAP file of ROS 2 messages.
+    """Return the log, and its map as it grew up to the current scan, as an MCAP file of ROS 2 messages.
 
-    The scans of several sensors are on the topics that they had in the recording.
+    The scans of several sensors are on the topics of the recording.
     """
     session, recording = _recorded(sessions, session_id)
 
@@ -53,7 +53,7 @@ async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownload
                 growing_map, trajectory = await recording.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
-                    with single_threaded():  # the map is computed again, on one core: sessions use the others
+                    with single_threaded():  # the map is recomputed on one core, because sessions use the others
                         export.write_mcap(file, recording.log, growing_map, trajectory, lambda _: check())
 
                 await downloads.run(work, takes_long=True)
@@ -64,7 +64,7 @@ async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownload
         return Content(name, _pieces(file), file.tell(), file.close)
 
     response = Download(downloads, requester_of(request, session), make, "application/octet-stream")
-    response.headers["Content-Encoding"] = "identity"  # it is compressed already
+    response.headers["Content-Encoding"] = "identity"  # it is already compressed
     return response
 
 
@@ -76,7 +76,7 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
 
 @router.get("/{session_id}/trajectory.tum", **file_answer("text/plain"))
 async def trajectory_tum(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return the robot's pose at each scan, of the trajectory in use, in TUM format."""
+    """Return the robot's pose at each scan, along the current trajectory, in TUM format."""
     session, recording = _recorded(sessions, session_id)
 
     async def make() -> Content:

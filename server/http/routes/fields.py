@@ -34,10 +34,10 @@ READING: dict[int | str, dict[str, Any]] = {
 
 @dataclass(frozen=True, slots=True)
 class TopicFieldsAnswer:
-    """The numbers that can be plotted of a topic, by the paths of their fields; ``why`` there are none, else empty.
+    """The numbers of a topic that can be plotted, by the paths of their fields; ``why`` there are none, else empty.
 
-    ``computed`` says that they are no topic's: they are computed of the log's scans, its map or its pose graph.
-    ``frames`` are the coordinate frames that its first message names (``frame_id`` and ``child_frame_id``).
+    ``computed`` says that they do not come from a topic, but are computed from the log's scans, its map or its pose
+    graph. ``frames`` are the coordinate frames in its first message (``frame_id`` and ``child_frame_id``).
     """
 
     topic: str
@@ -50,7 +50,7 @@ class TopicFieldsAnswer:
 
 @dataclass(frozen=True, slots=True)
 class FieldsAnswer:
-    """The numbers that can be plotted of each topic."""
+    """The numbers of each topic that can be plotted."""
 
     topics: list[TopicFieldsAnswer]
     state: Literal["ready"] = "ready"
@@ -61,9 +61,9 @@ class FieldsAnswer:
 async def fields(
     request: Request, response: Response, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str
 ) -> FieldsAnswer | ContentsReading:
-    """Return every number and every frame in the first message of each topic, and what is computed of the log.
+    """Return every number and every frame in the first message of each topic, and the series computed from the log.
 
-    202 with ``progress`` while they are looked up.
+    202 with ``progress`` while they are being read.
     """
     held = await look_into(request, sessions, library, visitor, session_id)
     topics = [(topic.name, topic.type) for topic in held.contents.topics]
@@ -98,7 +98,7 @@ async def fields(
 
 
 def _ready_name(column: Column) -> str:
-    """Return the name of a number that is kept with the contents, as that of a field."""
+    """Return the name of a number that is stored with the contents, in the form of a field's name."""
     return f"{column.plot} {column.label}"
 
 
@@ -120,9 +120,9 @@ async def field(
     buckets: Buckets = BUCKETS,
     evenly: Annotated[bool, Query(description="Every n-th sample instead of the extremes of each bucket.")] = False,
 ) -> Response:
-    """Return one number of a topic's messages over time, or one that is computed of the log.
+    """Return one number of a topic's messages over time, or one that is computed from the log.
 
-    202 with ``progress`` while the recording is read for it, or while it is computed.
+    202 with ``progress`` while the recording is being read, or the series computed.
     """
 
     async def answered(made_of: Series, origin_ns: int) -> Response:
@@ -157,7 +157,7 @@ async def field(
 
 
 def _ready(contents: Contents, topic: str, field: str) -> Series | None:
-    """Return a number that is kept with the contents; None for any other one."""
+    """Return a number that is stored with the contents; None for any other one."""
     for series in contents.series:
         names = [_ready_name(column) for column in series.columns]
         if series.topic == topic and field in names:
@@ -184,7 +184,7 @@ def _only(series: Series, n: int) -> Series:
 
 
 def _made(series: Series, made: Made, window_s: float) -> Series:
-    """Return what is made of a series of one column."""
+    """Return the series derived from a series of one column."""
     if made == "value":
         return series
     column = series.columns[0]

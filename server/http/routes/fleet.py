@@ -1,4 +1,4 @@
-"""``/api/fleet``: the logs of the library read, examined and mapped, all of them, by several workers."""
+"""``/api/fleet``: read, examine and map all logs of the library with several workers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Name = Annotated[str, Field(min_length=1, max_length=255)]
 
 
 class FleetOptions(BaseModel, extra="forbid"):
-    """How each log is read and mapped, as by the options of ``gridbloom fleet``; metres, radians, seconds."""
+    """How each log is read and mapped, with the options of ``gridbloom fleet``; metres, radians, seconds."""
 
     topic: Name | None = Field(None, description="The sensor of each log; null: the one with most scans.")
     tf: Name | None = Field(None, description="The topic of transforms, where there are several.")
@@ -43,7 +43,7 @@ class FleetOptions(BaseModel, extra="forbid"):
 
 
 class FleetRequest(BaseModel, extra="forbid"):
-    """Logs to be mapped."""
+    """Logs to map."""
 
     again: bool = Field(False, description="Map the logs again that failed.")
     options: FleetOptions | None = Field(
@@ -53,13 +53,13 @@ class FleetRequest(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class QueuedLogs:
-    """How many logs were queued."""
+    """Number of queued logs."""
 
     queued: int
 
 
 def _logs(library: Library, visitor: str) -> Sequence[Record]:
-    """Return the logs that can be mapped: not the maps, costmaps and clouds among them."""
+    """Return the logs that can be mapped, without the maps, costmaps and clouds among them."""
     return [
         log
         for log in library.files(visitor)
@@ -75,13 +75,13 @@ async def state(
 ) -> FleetState:
     """Return how many logs of this visitor and of the shared folder are mapped, and those that changed."""
     if since == 0:
-        await library.list(visitor)  # which looks into the folder
+        await library.list(visitor)  # reads the folder
     return library.fleet.state(_logs(library, visitor), since)
 
 
 @router.post("", status_code=202)
 async def begin(library: Logs, visitor: Visitor, body: FleetRequest) -> QueuedLogs:
-    """Queue all logs that were not mapped yet. Each is mapped once, for all who may open it; return how many."""
+    """Queue all unmapped logs; return their number. Each is mapped once for everyone who may open it."""
     await library.list(visitor)
     request = None if body.options is None else body.options.checked()
     return QueuedLogs(await library.fleet.begin(_logs(library, visitor), again=body.again, request=request))
@@ -89,5 +89,5 @@ async def begin(library: Logs, visitor: Visitor, body: FleetRequest) -> QueuedLo
 
 @router.delete("", status_code=204)
 async def stop(library: Logs, visitor: Visitor) -> None:
-    """End the mapping of the logs that wait; the results so far stay."""
+    """Stop mapping the waiting logs. Results so far are kept."""
     await library.fleet.stop(_logs(library, visitor))

@@ -33,7 +33,7 @@ async def livez() -> Health:
 @router.get("/readyz")
 @guests_may(GuestRight.ALWAYS)
 async def readyz(library: Logs) -> Health:
-    """Return 200 once requests can be served: the stores are open, and still there; 503 if they are not any more.
+    """Return 200 once the stores are open and requests can be served; 503 if the stores are no longer available.
 
     Kernels are compiled when they are first used.
     """

@@ -1,4 +1,4 @@
-"""``/api/links``: make, see and revoke links to a view; ``/api/shared/TOKEN`` and ``/shared/TOKEN``: open one."""
+"""``/api/links``: create, list and revoke links to a view; ``/api/shared/TOKEN`` and ``/shared/TOKEN``: open one."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class Look(BaseModel, extra="forbid"):
-    """Part of the map that a picture shows."""
+    """Part of the map shown in a picture."""
 
     x: FiniteFloat = Field(description="The place in the middle, metres.")
     y: FiniteFloat = Field(description="The place in the middle, metres.")
@@ -55,7 +55,7 @@ class Look(BaseModel, extra="forbid"):
 
 
 class ShownField(BaseModel, extra="forbid"):
-    """A number that is plotted."""
+    """A plotted number."""
 
     topic: str = Field(max_length=400)
     field: str = Field(max_length=400, description="Its path in the message.")
@@ -73,7 +73,7 @@ class ShownPlots(BaseModel, extra="forbid"):
 
 
 class ShownLines(BaseModel, extra="forbid"):
-    """Which lines that nodes logged are listed."""
+    """Filter of the lines logged by nodes."""
 
     least: int = Field(ge=0, le=255, description="The least level.")
     node: str = Field(max_length=200, description="The node; empty for all.")
@@ -81,7 +81,7 @@ class ShownLines(BaseModel, extra="forbid"):
 
 
 class ShownMeasure(BaseModel, extra="forbid"):
-    """What is measured on the map or in 3D."""
+    """A measurement on the map or in 3D."""
 
     tool: Literal["distance", "area"]
     points: list[tuple[FiniteFloat, FiniteFloat] | Place] = Field(
@@ -93,7 +93,7 @@ class ShownMeasure(BaseModel, extra="forbid"):
 
 
 class ShownCamera(BaseModel, extra="forbid"):
-    """From where a 3D view is seen."""
+    """Camera of a 3D view."""
 
     position: Place = Field(description="Where it is, metres.")
     look_at: Place = Field(description="What it looks at, metres.")
@@ -115,7 +115,7 @@ class ShownScene(BaseModel, extra="forbid"):
 
 
 class Shown(BaseModel, extra="forbid"):
-    """What else of the page its sender saw."""
+    """Other parts of the page that its sender saw."""
 
     group: str | None = Field(None, max_length=40, description="The open group of controls.")
     note: str | None = Field(None, max_length=100, description="Id of the chosen note.")
@@ -132,16 +132,16 @@ class Shown(BaseModel, extra="forbid"):
 
 
 class NewLink(BaseModel, extra="forbid"):
-    """A link to what a session shows now."""
+    """A link to the current view of a session."""
 
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
     shown: Shown | None = Field(None, description="What else of the page is seen.")
 
 
 class KeptView(BaseModel):
-    """What a link keeps of a session, as it is stored.
+    """The stored view of a link.
 
-    ``count`` is the number of scans of the log, ``changed`` names the parameters with other values than at first;
+    ``count`` is the number of scans of the log, ``changed`` names the parameters that differ from the initial ones.
     ``navigation`` are the commands that begin the costmap, each as an object with its ``type``.
     """
 
@@ -156,10 +156,10 @@ class KeptView(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class LinkAnswer:
-    """A link as its owner sees it: the view that it opens, and how many are ``watching``.
+    """A link as seen by its owner: the view that it opens, and the number of visitors ``watching``.
 
-    ``count`` is the number of scans of the log, ``index`` how many of them the map has; ``changed`` names the
-    parameters with other values than at first.
+    ``count`` is the number of scans of the log, ``index`` the number of scans in the map. ``changed`` names the
+    parameters that differ from the initial ones.
     """
 
     token: str
@@ -182,7 +182,7 @@ class LinkList:
 
 
 def _public(sessions: SessionRegistry, link: Link) -> LinkAnswer:
-    """Return what the owner of a link sees of it."""
+    """Return a link as seen by its owner."""
     view = KeptView.model_validate_json(link.view)
     return LinkAnswer(
         token=link.token,
@@ -200,7 +200,7 @@ def _public(sessions: SessionRegistry, link: Link) -> LinkAnswer:
 
 @router.post("/api/sessions/{session_id}/links", status_code=201)
 async def make(sessions: Sessions, library: Logs, session_id: str, body: NewLink) -> LinkAnswer:
-    """Make a read-only link to what a session of a log, or of recorded costmaps, shows now.
+    """Create a read-only link to the current view of a session of a log, or of recorded costmaps.
 
     It is valid until it is revoked, and belongs to the visitor who began the session.
     """
@@ -237,14 +237,14 @@ async def mine(
 
 @router.get("/api/sessions/{session_id}/links")
 async def of_session(sessions: Sessions, library: Logs, session_id: str) -> LinkList:
-    """List the links to a session's log of the visitor who began the session, newest first."""
+    """List the links to a session's log that belong to the visitor who began the session, newest first."""
     session, viewed = shareable_session(sessions, session_id)
     return LinkList([_public(sessions, link) for link in library.links.of(session.owner, viewed.log_id)])
 
 
 @router.delete("/api/sessions/{session_id}/links/{token}", status_code=204)
 async def revoke_of_session(sessions: Sessions, library: Logs, session_id: str, token: str) -> None:
-    """Revoke a link to a session's log, of the visitor who began the session; the sessions begun with it end."""
+    """Revoke a link to a session's log that belongs to the visitor who began the session. Its sessions end."""
     session, viewed = shareable_session(sessions, session_id)
     if library.links.get(token).log_id != viewed.log_id:
         raise LinkGoneError("link.gone", "There is no such link to this log.")
@@ -254,17 +254,17 @@ async def revoke_of_session(sessions: Sessions, library: Logs, session_id: str, 
 
 @router.delete("/api/links/{token}", status_code=204)
 async def revoke(sessions: Sessions, library: Logs, visitor: Visitor, token: str) -> None:
-    """Revoke a link; the sessions that were begun with it end."""
+    """Revoke a link. The sessions begun with it end."""
     await library.links.revoke(visitor, token)
     await sessions.end_linked(token)
 
 
 @dataclass(frozen=True, slots=True)
 class SharedAnswer:
-    """A link as everyone who has it sees it; ``look`` is the visible part of the map, null for all of it.
+    """A link as seen by its receivers; ``look`` is the visible part of the map, null for all of it.
 
-    ``shown`` is what else its sender saw, null of a link that tells nothing of it; ``examination`` what had been found
-    out about the log, null where it had not been examined.
+    ``shown`` are other parts of the page that its sender saw, null if the link does not contain them; ``examination``
+    is the diagnosis of the log, null if it had not been examined.
     """
 
     title: str
@@ -302,7 +302,7 @@ async def begin(
     ] = False,
     clouds: Annotated[bool, Query(description="Whether the session shows the log's point clouds in 3D.")] = False,
 ) -> SessionAnswer:
-    """Begin a session of the view of a link, or of the point clouds of its log."""
+    """Begin a session with the view of a link, or with the point clouds of its log."""
     link = library.links.get(token)
     kept_view = KeptView.model_validate_json(link.view)
 
@@ -349,9 +349,9 @@ async def page(request: Request, library: Logs, token: str) -> Response:
 async def _navigation(
     library: Library, downloads: Downloads, link: Link, kept: Sequence[object]
 ) -> list[msgspec.Struct]:
-    """Return the commands that begin the costmap of a link, with the map and the terrain that it was made with.
+    """Return the commands that begin the costmap of a link, with its original map and terrain.
 
-    Of these, what has been deleted since is left out: the costmap is then over the log's own map, or without terrain.
+    If these have been deleted since, they are left out: the costmap is then over the log's own map, or without terrain.
     """
     commands: list[msgspec.Struct] = []
     for fields in kept:

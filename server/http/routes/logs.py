@@ -32,7 +32,7 @@ _CONTENT_RANGE = re.compile(r"bytes ([0-9]{1,15})-([0-9]{1,15})/([0-9]{1,15})")
 
 @dataclass(frozen=True, slots=True)
 class UploadOffset:
-    """How many bytes of an upload have arrived: the next part starts there; the ``total`` is known with the first."""
+    """The number of received bytes of an upload, where the next part starts; ``total`` is known with the first part."""
 
     offset: int
     total: int | None = None
@@ -40,7 +40,7 @@ class UploadOffset:
 
 @dataclass(frozen=True, slots=True)
 class LogList:
-    """The logs of one page of a list, how many were found, and the visitor's tags with the number of logs of each."""
+    """The logs on one page of a list, the number of matching logs, and the visitor's tags with numbers of logs."""
 
     logs: list[LogAnswer]
     total: int
@@ -61,9 +61,9 @@ async def upload(
 ) -> LogAnswer | Response:
     """Store the raw body of the request as a log of this visitor and queue it for reading.
 
-    With ``upload``, a key of the sender's choice, and the header ``Content-Range: bytes FIRST-LAST/TOTAL`` the body is
+    With ``upload``, a key that the sender chooses, and the header ``Content-Range: bytes FIRST-LAST/TOTAL`` the body is
     one part of the log. Parts are sent in order; after a broken connection ``GET /api/logs/uploads/KEY`` returns the
-    offset to resume from. The answer to a part that is not the last is 200 with that offset.
+    offset to resume from. The answer to a part other than the last is 200 with that offset.
     """
     address = client_address(request)
     part = None if upload is None else _part(upload, request.headers.get("content-range", ""))
@@ -97,9 +97,9 @@ def _part(key: str, content_range: str) -> Part:
 
 @router.post("/examples/{name}", status_code=202)
 async def example(request: Request, library: Logs, visitor: Visitor, work: RequestWork, name: ExampleName) -> LogAnswer:
-    """Make an example log in the simulator and queue it for reading, as an upload of this visitor.
+    """Generate an example log in the simulator and queue it for reading, as an upload of this visitor.
 
-    "drift" has poses that drift and can be healed, "mount" a lidar that is turned in its mount, "camera" images and the
+    "drift" has drifting poses that SLAM can correct, "mount" a lidar with a rotated mount, "camera" images and the
     clouds of a 3D lidar.
     """
     data = await in_turn(request, work, visitor, lambda: example_bytes(name))
@@ -112,13 +112,13 @@ async def example(request: Request, library: Logs, visitor: Visitor, work: Reque
 
 @router.get("/uploads/{key}", response_model_exclude_none=True)
 async def uploaded(library: Logs, visitor: Visitor, key: Key) -> UploadOffset:
-    """Return how many bytes of an upload have arrived: the next part starts there."""
+    """Return the number of received bytes of an upload, where the next part starts."""
     return UploadOffset(library.uploaded(visitor, key))
 
 
 @router.delete("/uploads/{key}", status_code=204)
 async def forget_upload(library: Logs, visitor: Visitor, key: Key) -> None:
-    """Give up an upload of this visitor: what has arrived of it is removed."""
+    """Cancel an upload of this visitor, and delete what has arrived."""
     library.forget_upload(visitor, key)
 
 
@@ -134,7 +134,7 @@ async def list_logs(
 ) -> LogList:
     """List the logs that this visitor may open: their uploads, newest first, the folder of the server, the sample.
 
-    ``total`` is the number of logs that were found; ``tags`` are this visitor's, with the number of logs of each.
+    ``total`` is the number of matching logs; ``tags`` are this visitor's, with the number of logs of each.
     """
     selection = LogQuery(q, tuple(tag or ()), order, offset, limit)
     listing = listed(await library.list(visitor), selection)
@@ -143,7 +143,7 @@ async def list_logs(
 
 @router.get("/{log_id}")
 async def one(library: Logs, visitor: Visitor, log_id: str) -> LogAnswer:
-    """Return the state of one log and, once it was read, a summary of its contents."""
+    """Return the state of one log and, once it has been read, a summary of its contents."""
     return library.get(visitor, log_id).public()
 
 
@@ -165,14 +165,14 @@ class TagsOfLog(BaseModel, extra="forbid"):
 
 @router.put("/{log_id}/tags")
 async def put_tags(library: Logs, visitor: Visitor, log_id: str, body: TagsOfLog) -> LogAnswer:
-    """Give a log these tags, in the place of those that this visitor has given it."""
+    """Replace the tags that this visitor has given a log."""
     await library.tags.put(visitor, library.get(visitor, log_id), body.tags)
     return library.get(visitor, log_id).public()
 
 
 @router.post("/{log_id}/cancel")
 async def cancel(library: Logs, visitor: Visitor, log_id: str) -> LogAnswer:
-    """Stop reading an uploaded log, which is kept and can be read again."""
+    """Stop reading an uploaded log. It is kept and can be read again."""
     return (await library.cancel(visitor, log_id)).public()
 
 
@@ -184,7 +184,7 @@ async def read_again(library: Logs, visitor: Visitor, log_id: str) -> LogAnswer:
 
 @router.delete("/{log_id}", status_code=204)
 async def delete(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str) -> None:
-    """Delete an uploaded log and its links. Sessions of guests on it end; other sessions go on."""
+    """Delete an uploaded log and its links. Sessions of guests on it end; other sessions continue."""
     await library.delete(visitor, log_id)
     for token in library.links.drop(log_id):
         await sessions.end_linked(token)

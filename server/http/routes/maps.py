@@ -45,26 +45,26 @@ At = Annotated[
 
 
 def stem_of(session: SessionHost) -> str:
-    """Return the stem of the file names of a session: the name of its log or of its world."""
+    """Return the stem of a session's file names: the name of its log or of its world."""
     return file_stem(session.model.file_stem)
 
 
 def grid_of(session: SessionHost) -> OccupancyGrid:
-    """Return the map of a session. Raises :class:`MapperError` where it has none that can be downloaded."""
+    """Return the map of a session. Raises :class:`MapperError` if it has none for download."""
     if session.model.grid is None:
         raise MapperError("session.no_map", "This session shows no occupancy grid map to download.")
     return session.model.grid
 
 
 def requester_of(request: Request, session: SessionHost) -> Requester:
-    """Return who requests a file of a session."""
+    """Return the requester of a session's file."""
     return requester(request.state.visitor, request.client and request.client.host, session.link)
 
 
 async def compressed_image(
     downloads: Downloads, pixels: Callable[[], tuple[tuple[int, int], Bands]]
 ) -> CompressedImage:
-    """Return the image that ``pixels`` gives: its shape (rows, cols) and its bands. The session must be locked."""
+    """Return the image that ``pixels`` returns: its shape (rows, cols) and its bands. The session must be locked."""
 
     def work(check: Callable[[], None]) -> CompressedImage:
         shape, bands = pixels()
@@ -74,7 +74,7 @@ async def compressed_image(
 
 
 async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | None) -> MapSnapshot:
-    """Return the present map of a session, or its snapshot ``at``, with its trinary image."""
+    """Return the current map of a session, or its snapshot ``at``, with its trinary image."""
 
     async def make() -> MapSnapshot:
         async with session.settled():

@@ -28,7 +28,7 @@ async def asset(request: Request, name: str) -> Response:
 
 @router.api_route("/{name}", methods=["GET", "HEAD"])
 async def page(request: Request, name: str) -> Response:
-    """Return a page, or a file beside the pages. The name of a page without ``.html`` redirects to the page."""
+    """Return a page, or another file in the folder of pages. A page's name without ``.html`` redirects to the page."""
     if name in page_names():
         query = f"?{request.url.query}" if request.url.query else ""
         return RedirectResponse(f"/{name}.html{query}", status_code=307)

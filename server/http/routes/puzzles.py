@@ -1,6 +1,6 @@
-"""``/api/puzzles``: begin, solve, make and remove puzzles; ``/puzzle/TOKEN``: the page of one that a visitor made.
+"""``/api/puzzles``: begin, solve, create and remove puzzles; ``/puzzle/TOKEN``: the page of a visitor's puzzle.
 
-An attempt belongs to a session of the puzzle. What the page gets never tells the cause before it is named.
+An attempt belongs to a session of the puzzle. The answers to the page never contain the cause before it is named.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Name = Annotated[
 
 
 class NewPuzzle(BaseModel, extra="forbid"):
-    """A puzzle of what a session shows now."""
+    """A puzzle from the current state of a session."""
 
     fault: str = Field("as-it-is", max_length=40, description="Fault to add, as in GET; as-it-is: that of the session.")
     title: str = Field("", max_length=80, description="Title; by default that of the world or log.")
@@ -56,7 +56,7 @@ class AttemptAnswer(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class MadePuzzleAnswer:
-    """A puzzle that a visitor made, as that visitor sees it."""
+    """A visitor's puzzle as seen by that visitor."""
 
     token: str
     address: str
@@ -67,7 +67,7 @@ class MadePuzzleAnswer:
 
 @dataclass(frozen=True, slots=True)
 class PuzzleList:
-    """Puzzles that come with the program, faults that can be added to a map, and this visitor's own puzzles."""
+    """Puzzles included in the program, faults that can be added to a map, and this visitor's own puzzles."""
 
     puzzles: list[OfferedPuzzle]
     faults: list[NamedCause]
@@ -76,7 +76,7 @@ class PuzzleList:
 
 @dataclass(frozen=True, slots=True)
 class SharedPuzzle:
-    """The title of a puzzle that a visitor made."""
+    """The title of a visitor's puzzle."""
 
     title: str
 
@@ -93,14 +93,14 @@ def _public(puzzle: MadePuzzle) -> MadePuzzleAnswer:
 
 @router.get("/api/puzzles")
 async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> PuzzleList:
-    """Return the puzzles that come with the program, the faults that can be added, and this visitor's own puzzles."""
+    """Return the puzzles included in the program, the faults that can be added, and this visitor's own puzzles."""
     await imported("server.puzzles.spec")
     return PuzzleList(puzzles.offered(), puzzles.faults(), [_public(puzzle) for puzzle in library.puzzles.of(visitor)])
 
 
 @router.get("/api/puzzles/{puzzle}/map.png", **file_answer("image/png"))
 async def picture(puzzle: str, *, dark: bool = False) -> Response:
-    """Return a small picture of the map that an attempt at a puzzle that comes with the program begins with."""
+    """Return a small picture of the initial map of an included puzzle."""
     await imported("server.puzzles.pictures")
     from server.puzzles.pictures import picture_of  # noqa: PLC0415 - imported with the first puzzle
 
@@ -115,7 +115,7 @@ async def picture(puzzle: str, *, dark: bool = False) -> Response:
 async def make(
     sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, body: NewPuzzle
 ) -> MadePuzzleAnswer:
-    """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
+    """Create a puzzle from the current state of a session, with a fault. Anyone with its address may solve it."""
     await imported("server.puzzles.spec")
     from server.puzzles.spec import (  # noqa: PLC0415 - imported with the first puzzle
         spec_of_log,
@@ -144,7 +144,7 @@ async def make(
 
 @router.delete("/api/puzzles/{token}", status_code=204)
 async def remove(sessions: Sessions, library: Logs, puzzles: AllPuzzles, visitor: Visitor, token: str) -> None:
-    """Remove a puzzle that this visitor made; the attempts at it end."""
+    """Remove a puzzle of this visitor. The attempts at it end."""
     await library.puzzles.remove(visitor, token)
     puzzles.forget(token)
     await sessions.end_linked(link_of(token))
@@ -154,7 +154,7 @@ async def remove(sessions: Sessions, library: Logs, puzzles: AllPuzzles, visitor
 
 
 def link_of(token: str) -> str:
-    """Return what marks the sessions of a puzzle that a visitor made."""
+    """Return the link that marks the sessions of a visitor's puzzle."""
     return f"puzzle {token}"
 
 
@@ -171,9 +171,9 @@ async def begin_puzzle(
     place: str | None = None,
     name: str | None = None,
 ) -> SessionHost:
-    """Begin a session of a puzzle: one that comes with the program, or the token of one that a visitor made.
+    """Begin a session of a puzzle: an included one, or the token of a visitor's puzzle.
 
-    ``place`` is what a reverse proxy finds this service by; None: as the request says.
+    ``place`` is the key by which a reverse proxy finds this service; None: that of the request.
     """
     await imported("server.puzzles.making")
     from mapper.puzzles import RECIPES  # noqa: PLC0415 - imported with the first puzzle
@@ -218,7 +218,7 @@ async def begin(
     puzzle: str,
     name: Name = None,
 ) -> SessionAnswer:
-    """Begin an attempt at a puzzle that comes with the program."""
+    """Begin an attempt at an included puzzle."""
     puzzles.recipe(puzzle)  # raises for any other
     session = await begin_puzzle(request, sessions, library, puzzles, visitor, puzzle, link=None, name=name)
     return created(response, session)
@@ -227,7 +227,7 @@ async def begin(
 @router.get("/api/shared-puzzles/{token}")
 @guests_may(GuestRight.ALWAYS)
 async def shared(library: Logs, token: str) -> SharedPuzzle:
-    """Return the title of a puzzle that a visitor made."""
+    """Return the title of a visitor's puzzle."""
     return SharedPuzzle(library.puzzles.get(token).title)
 
 
@@ -243,7 +243,7 @@ async def begin_shared(
     token: str,
     name: Name = None,
 ) -> SessionAnswer:
-    """Begin an attempt at a puzzle that a visitor made."""
+    """Begin an attempt at a visitor's puzzle."""
     library.puzzles.get(token)
     session = await begin_puzzle(request, sessions, library, puzzles, visitor, token, link=link_of(token), name=name)
     return created(response, session)
@@ -252,7 +252,7 @@ async def begin_shared(
 @router.api_route("/puzzle/{token}", methods=["GET", "HEAD"], include_in_schema=False)
 @guests_may(GuestRight.ALWAYS)
 async def page(request: Request, library: Logs, token: str) -> Response:
-    """Return the page of a puzzle that a visitor made, with status 404 if there is none."""
+    """Return the page of a visitor's puzzle, with status 404 if there is none."""
     return page_of_secret(request, "puzzles.html", lambda: library.puzzles.get(token), PuzzleGoneError)
 
 
@@ -262,7 +262,7 @@ async def page(request: Request, library: Logs, token: str) -> Response:
 @router.get("/api/sessions/{session_id}/puzzle")
 @guests_may(GuestRight.LINKED_SESSION)
 async def attempt(puzzles: AllPuzzles, session_id: str) -> Attempt:
-    """Return how far the attempt of a session is: the causes, hints, measures, points, and at the end the answer."""
+    """Return the state of a session's attempt: the causes, hints, measures, points, and at the end the answer."""
     return puzzles.game(session_id).public()
 
 
@@ -298,7 +298,7 @@ async def solution(puzzles: AllPuzzles, session_id: str) -> Attempt:
 async def check(
     request: Request, sessions: Sessions, puzzles: AllPuzzles, work: RequestWork, visitor: Visitor, session_id: str
 ) -> Attempt:
-    """Measure the map of all scans with the session's present parameters and poses; answer as GET does."""
+    """Measure the map of all scans with the session's current parameters and poses; answer as GET does."""
     game, session = puzzles.game(session_id), sessions.get(session_id)
     recording = part_of_log(session, Recording, "This session has no log.")
     goes_on = True

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
-#: The page has no scripts and asks nothing of any host.
+#: The page has no scripts and sends no requests.
 HEADERS = {"Cache-Control": "private, no-store"}
 CSP = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; frame-ancestors 'self'"
 
@@ -33,7 +33,7 @@ async def report(
 ) -> HTMLResponse:
     """Return the report: facts, events, findings, maps before and after a correction, a picture, notes, parameters.
 
-    The log is examined for it, where that has not been done, which can take a while.
+    The log is examined first if necessary, which can take a while.
     """
     page = await _page(request, sessions, library, visitor, work, session_id)
     return HTMLResponse(page, headers=HEADERS | {"Content-Security-Policy": CSP})
@@ -43,7 +43,7 @@ async def report(
 async def report_as_pdf(
     request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
 ) -> Response:
-    """Return the report as PDF; 501 where the service lacks what that needs."""
+    """Return the report as PDF; 501 if the service lacks the software for that."""
     page = await _page(request, sessions, library, visitor, work, session_id)
     pdf = await in_turn(request, work, visitor, lambda: server.report.report_pdf(page))
     named = {"Content-Disposition": 'inline; filename="report.pdf"'}
@@ -78,7 +78,7 @@ async def _page(
 async def _picture(
     request: Request, library: Library, of_log: SessionOfLog, visitor: str, seconds: float
 ) -> Picture | None:
-    """Return a picture of the first camera at a moment; None without one, and where the contents are not known."""
+    """Return a picture from the first camera at a moment; None if there is none, or the contents are unknown."""
     address = client_address(request)
     try:
         contents = await library.contents(of_log.owner, of_log.log_id, visitor, address=address)
@@ -91,7 +91,7 @@ async def _picture(
         at_ns = held.recorded_ns(seconds)
         picture = await library.picture(of_log.owner, of_log.log_id, visitor, topic, at_ns, address=address)
     except MapperError:
-        return None  # a picture that cannot be read is no reason for no report
+        return None  # the report does not need a readable picture
     return server.report.Picture(
         picture.data, picture.media_type, topic, held.seconds(picture.stamp_ns - held.recorded_ahead_ns)
     )

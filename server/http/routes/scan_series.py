@@ -22,7 +22,7 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanSeries(SeriesAnswer):
-    """The series of a log's scans along a trajectory; ``times`` are numbers of scans where ``axis`` is "scan"."""
+    """The series of a log's scans along a trajectory. ``times`` are scan numbers if ``axis`` is "scan"."""
 
     axis: Literal["time", "scan"]
     trajectory: str
@@ -42,8 +42,8 @@ async def of_scans(
 ) -> Response:
     """Return speed, turn rate, share of returns, pose step and interval at the log's scans, at most two per bucket.
 
-    The poses are those of the session's present trajectory. ``axis`` is "time", in seconds since the first scan, or
-    "scan" for a log without times, whose ``times`` are numbers of scans.
+    The poses are those of the session's current trajectory. ``axis`` is "time", in seconds since the first scan, or
+    "scan" for a log without times, whose ``times`` are scan numbers.
     """
     session = sessions.get(session_id)
     recording = part_of_log(session, Recording, "Only the recording of a log has scans to plot, not a live world.")

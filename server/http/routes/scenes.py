@@ -44,7 +44,7 @@ async def page(request: Request, sessions: Sessions, session_id: str) -> Respons
 @router.api_route("/{session_id}/plain/{_page}/", methods=["GET", "HEAD"], include_in_schema=False)
 @guests_may(GuestRight.LINKED_SESSION)
 async def plain_page(request: Request, sessions: Sessions, session_id: str) -> Response:
-    """Return viser's client without its panel, for a page that has controls of its own and may have a name."""
+    """Return viser's client without its panel, for a page that has its own controls and may have a name."""
     sessions.get(session_id)
     return await _client(request, plain_view=True)
 
@@ -57,7 +57,7 @@ async def _client(request: Request, *, plain_view: bool) -> Response:
     if root is None:
         return HTMLResponse(NOT_BUILT, status_code=503)
     script = (root / "scene.js").read_bytes()
-    client = await asyncio.to_thread(client_page, script, plain_view=plain_view)  # the first time it is compressed
+    client = await asyncio.to_thread(client_page, script, plain_view=plain_view)  # compressed on first use
     headers = page_headers(request.headers.get("host", "")) | {"ETag": client.etag}
     if client.etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
@@ -76,9 +76,9 @@ class SceneSettings(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class SceneAnswer:
-    """A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid.
+    """A 3D view: cameras, visibility of layers, height of the columns, metres between the lines of the grid.
 
-    ``camera`` is the one that the visitor has chosen last; None: none yet.
+    ``camera`` is the visitor's last choice; None if there is none yet.
     """
 
     cameras: list[CameraName | RobotCameraName]
@@ -100,7 +100,7 @@ async def settings(sessions: Sessions, scenes: OpenScenes, visitor: Visitor, ses
 async def change(
     sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str, body: SceneSettings
 ) -> SceneAnswer:
-    """Move the cameras of this visitor's views; set height and layers of all views of the session."""
+    """Move the cameras of this visitor's views; set height and layers for all views of the session."""
     scene = await scenes.get(sessions.get(session_id))
     if body.camera is not None:
         scene.aim(visitor, body.camera)
@@ -137,7 +137,7 @@ async def socket_in_page(
     session_id: str,
     page: Annotated[str, Path(pattern=PAGE_NAME)],
 ) -> None:
-    """Forward the WebSocket of a view that belongs to a page: the page gets the answers to its clicks."""
+    """Forward the WebSocket of a view that belongs to a page, which receives the answers to its clicks."""
     await _forward(websocket, sessions.get(session_id), scenes, Viewer(visitor, page))
 
 

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/sensor``: map another sensor of a session's log, or cut its scans out of clouds otherwise."""
+"""``/api/sessions/{id}/sensor``: map another sensor of a session's log, or change how its scans are cut from clouds."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
 class NewSensor(BaseModel, extra="forbid"):
-    """Sensor of the log that is mapped."""
+    """The sensor of the log to map."""
 
     topic: str | None = Field(
         None,
@@ -34,7 +34,7 @@ class NewSensor(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class SensorAnswer:
-    """The sensor that is mapped, null for the log's default, and how its scans are cut out."""
+    """The mapped sensor, null for the log's default, and the options for cutting its scans."""
 
     topic: str | None
     cut: dict[str, float]
@@ -52,9 +52,9 @@ async def use(
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
     ] = None,
 ) -> SensorAnswer:
-    """Map another sensor of the session's log, or cut its scans otherwise; the session goes on at the same time.
+    """Map another sensor of the session's log, or change the options for cutting scans; the time stays the same.
 
-    The recording may be read for it, which ends if the client disconnects.
+    This may require reading the recording, which is cancelled if the client disconnects.
     """
     of_log = writable_session(sessions, session_id)
     view = LogView(body.topic, cut=body.cut)

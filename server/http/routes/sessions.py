@@ -56,9 +56,9 @@ class SessionList:
 
 @dataclass(frozen=True, slots=True)
 class MakingAnswer:
-    """The progress of a session that is being created; ``what`` is null where that is what was asked for.
+    """The progress of a session being created; ``what`` is null for the request itself.
 
-    ``fraction`` is the share that is done, 0 to 1, null if not known.
+    ``fraction`` is the completed share, 0 to 1, null if unknown.
     """
 
     what: str | None
@@ -68,7 +68,7 @@ class MakingAnswer:
 
 @dataclass(frozen=True, slots=True)
 class WorldAnswer:
-    """A simulated world; ``bounds`` are the least x and y and the greatest, metres."""
+    """A simulated world; ``bounds`` are the least and greatest x and y, metres."""
 
     name: str
     title: str
@@ -84,7 +84,7 @@ class WorldList:
 
 @dataclass(frozen=True, slots=True)
 class ParameterTables:
-    """The tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud."""
+    """The tables of mapping parameters, of the simulated sensor's, and of the options for cutting scans from clouds."""
 
     parameters: tuple[Parameter, ...]
     sensor: tuple[Parameter, ...]
@@ -92,7 +92,7 @@ class ParameterTables:
 
 
 def public(session: SessionHost) -> SessionAnswer:
-    """Return what the HTTP interface shows of a session."""
+    """Return the answer of the HTTP interface about a session."""
     model = session.model
     index, count = model.progress
     return SessionAnswer(
@@ -108,13 +108,13 @@ def public(session: SessionHost) -> SessionAnswer:
 
 
 def created(response: Response, session: SessionHost) -> SessionAnswer:
-    """Return the answer to the beginning of a session, and name its address in the ``response``."""
+    """Return the answer to the creation of a session, and set its address in the ``response``."""
     response.headers["Location"] = f"/api/sessions/{session.id}"
     return public(session)
 
 
 def creating(kinds: Mapping[str, Kind]) -> APIRouter:
-    """Return the route that begins sessions of these kinds; its body is the request of one of them, by ``kind``."""
+    """Return the route that begins sessions of these kinds. Its body is the request of one of them, by ``kind``."""
     router = APIRouter(prefix="/api", tags=["sessions"])
 
     async def create(
@@ -151,10 +151,10 @@ async def mine(sessions: Sessions, visitor: Visitor) -> SessionList:
 )
 @guests_may(GuestRight.ALWAYS)
 async def making(sessions: Sessions, visitor: Visitor, name: str) -> MakingAnswer | Response:
-    """Return the progress of a session that is being created for this visitor.
+    """Return the progress of a session being created for this visitor.
 
-    It is what is being done (null: what was asked for), the fraction of it that is done (0 to 1; null if not known),
-    and the seconds since the beginning; nothing (204) if no session of that name is being created, or not any more.
+    It consists of the current part of the work (null: the request itself), its completed share (0 to 1; null if
+    unknown), and the seconds since the start; nothing (204) if no session of that name is being created.
     """
     under_way = sessions.under_way.get(visitor, name)
     if under_way is None:
@@ -182,7 +182,7 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 @router.get("/sessions/{session_id}/story")
 async def history(sessions: Sessions, session_id: str) -> SimulationHistory:
-    """Return the history of a simulation, from which another session can begin."""
+    """Return the history of a simulation, with which another session can begin."""
     replayable = sessions.get(session_id).model.find(Replayable)
     if replayable is None:
         raise MapperError("session.not_a_world", "Only a simulation has a story.")
@@ -197,7 +197,7 @@ def worlds() -> WorldList:
 
 @router.get("/parameters")
 def parameters() -> ParameterTables:
-    """Return the tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud."""
+    """Return the tables of mapping parameters, of the sensor's, and of the options for cutting scans from clouds."""
     return ParameterTables(PARAMETERS, simulation.SENSOR_PARAMETERS, CUT_PARAMETERS)
 
 
@@ -210,7 +210,7 @@ async def stream(
     session_id: str,
     page: Annotated[str, Query(pattern=PAGE_NAME)] = "",
 ) -> None:
-    """Exchange messages with a session; ``page`` is a name that the page gives itself, for its 3D views."""
+    """Exchange messages with a session; ``page`` is a name that the page chooses, for its 3D views."""
     await imported("server.http.stream_connection")
     from server.http.stream_connection import exchange  # noqa: PLC0415 - what it imports came with the first session
 

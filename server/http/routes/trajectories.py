@@ -1,6 +1,6 @@
 """``/api/logs/{id}/trajectories/{name}``: add a trajectory to a log, read it, delete it, and score poses.
 
-``/api/sessions/{id}/trajectories/{name}`` are those of the visitor who began the session.
+``/api/sessions/{id}/trajectories/{name}`` belong to the visitor who began the session.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Name = Annotated[str, Path(max_length=400, description="Name of the trajectory."
 
 @dataclass(frozen=True, slots=True)
 class AddedTrajectory(TrajectoryAnswer):
-    """A trajectory that was added, with notes on how it was joined to the scans."""
+    """An added trajectory, with notes on how it was joined to the scans."""
 
     notes: tuple[str, ...] = ()
 
@@ -49,14 +49,14 @@ async def put(
             visitor, log_id, name, request.stream(), address=client_address(request)
         )
     except ClientDisconnect:
-        return Response(status_code=400)  # the client has gone
+        return Response(status_code=400)  # the client has disconnected
     await update_sessions(library, sessions, visitor, log_id)
     return AddedTrajectory(**asdict(added.public()), notes=tuple(notes))
 
 
 @router.get("/logs/{log_id}/trajectories/{name}", **file_answer("text/plain"))
 async def get(library: Logs, visitor: Visitor, log_id: str, name: Name) -> Response:
-    """Return a trajectory that the visitor has added, as a TUM file."""
+    """Return a trajectory added by the visitor, as a TUM file."""
     library.get(visitor, log_id)
     text = await library.trajectories.text(visitor, log_id, name)
     headers = {"Content-Disposition": disposition(file_name(file_stem(name), "tum"))}
@@ -65,7 +65,7 @@ async def get(library: Logs, visitor: Visitor, log_id: str, name: Name) -> Respo
 
 @router.delete("/logs/{log_id}/trajectories/{name}", status_code=204)
 async def delete(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, name: Name) -> None:
-    """Delete a trajectory that the visitor has added. Sessions that map with it go on."""
+    """Delete a trajectory added by the visitor. Sessions that use it continue."""
     library.get(visitor, log_id)
     await library.trajectories.delete(visitor, log_id, name)
     await update_sessions(library, sessions, visitor, log_id)
@@ -82,7 +82,7 @@ async def put_of_session(
 ) -> AddedTrajectory | Response:
     """Add a trajectory to the session's log: the body is the text of a TUM file, joined to the scans by their stamps.
 
-    It replaces the trajectory of that name of the visitor who began the session.
+    It replaces the trajectory of that name that belongs to the visitor who began the session.
     """
     of_log = writable_session(sessions, session_id)
     return await put(request, library, sessions, of_log.owner, of_log.log_id, name)
@@ -90,14 +90,14 @@ async def put_of_session(
 
 @router.get("/sessions/{session_id}/trajectories/{name}", **file_answer("text/plain"))
 async def get_of_session(library: Logs, sessions: Sessions, session_id: str, name: Name) -> Response:
-    """Return a trajectory that was added to the session's log, as a TUM file."""
+    """Return an added trajectory of the session's log, as a TUM file."""
     of_log = writable_session(sessions, session_id)
     return await get(library, of_log.owner, of_log.log_id, name)
 
 
 @router.delete("/sessions/{session_id}/trajectories/{name}", status_code=204)
 async def delete_of_session(library: Logs, sessions: Sessions, session_id: str, name: Name) -> None:
-    """Delete a trajectory that was added to the session's log. Sessions that map with it go on."""
+    """Delete an added trajectory of the session's log. Sessions that use it continue."""
     of_log = writable_session(sessions, session_id)
     await delete(library, sessions, of_log.owner, of_log.log_id, name)
 
@@ -111,9 +111,9 @@ async def score(
     session_id: str,
     name: Annotated[str, Query(max_length=200, description="Name of the file, as intel.relations.")] = "relations",
 ) -> PoseScore:
-    """Return the mean errors of the trajectory in use over known relations: the body is their file.
+    """Return the mean errors of the current trajectory over known relations. The body is their file.
 
-    The definitions are those of ``gridbloom evaluate --relations``. The file is not kept.
+    The definitions are those of ``gridbloom evaluate --relations``. The file is not stored.
     """
     of_log = writable_session(sessions, session_id)
     recording = of_log.recording

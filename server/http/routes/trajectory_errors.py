@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/trajectory-errors``: one trajectory of a session's log against another one, as evo does."""
+"""``/api/sessions/{id}/trajectory-errors``: errors of a session's trajectory against another one, as in evo."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Name = Annotated[str, Query(max_length=400, description="Name of one of the log'
 
 @dataclass(frozen=True, slots=True)
 class ErrorFigures:
-    """Statistics of the errors of the place and of the heading."""
+    """Statistics of the errors of position and heading."""
 
     translation_m: ErrorStatistics
     rotation_rad: ErrorStatistics
@@ -38,7 +38,7 @@ class ErrorFigures:
 
 @dataclass(frozen=True, slots=True)
 class RelativeFigures(ErrorFigures):
-    """Those of relative errors over ``delta`` of a ``unit``."""
+    """Statistics of relative errors over ``delta`` of a ``unit``."""
 
     delta: float
     unit: str
@@ -64,7 +64,7 @@ class SeriesOfErrors:
 
 @dataclass(frozen=True, slots=True)
 class ComparedPaths:
-    """Places of both trajectories in the frame of the reference, metres, and the errors there."""
+    """Positions of both trajectories in the frame of the reference, metres, and the errors there."""
 
     reference: list[tuple[float, float]]
     estimate: list[tuple[float, float]]

@@ -1,1 +1,1 @@
-"""What visitors add to logs: notes, tags, links, trajectories, puzzles."""
+"""Additions of visitors to logs: notes, tags, links, trajectories, puzzles."""

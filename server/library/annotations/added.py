@@ -17,15 +17,15 @@ TrajectorySource = Literal["tum", "slam", "localized"]
 
 
 class TrajectoryNotFoundError(MapperError):
-    """The visitor has added no such trajectory to the log."""
+    """The visitor has not added such a trajectory to the log."""
 
 
 @dataclass(frozen=True, slots=True)
 class Added:
-    """One trajectory beside a log, seen by its ``owner`` only and by guests of the owner's links.
+    """One added trajectory of a log, visible only to its ``owner`` and to guests of the owner's links.
 
-    ``source`` says where it comes from: an uploaded TUM file, or the service's own SLAM or localization. ``bytes`` are
-    those of its files, ``poses`` the number of poses in them, ``length_m`` the length of the path, metres.
+    ``source`` is its origin: an uploaded TUM file, or the service's own SLAM or localization. ``bytes`` is the size of
+    its files, ``poses`` the number of poses in them, ``length_m`` the length of the path, metres.
     """
 
     id: str
@@ -38,10 +38,10 @@ class Added:
     bytes: int
     poses: int
     length_m: float
-    has_graph: bool = False  #: whether the pose graph that it was computed with is kept too
+    has_graph: bool = False  #: whether the pose graph from which it was computed is stored too
 
     def public(self) -> TrajectoryAnswer:
-        """Return what the HTTP interface shows."""
+        """Return the answer of the HTTP interface."""
         return TrajectoryAnswer(
             self.name, self.description, self.length_m, self.source, self.created_s, self.has_graph
         )  # fmt: skip
@@ -54,13 +54,13 @@ def load_added(connection: Connection) -> Sequence[Added]:
 
 
 def replace_added(connection: Connection, record: Record, added: Added) -> None:
-    """Write the row of a trajectory of the log ``record`` in the place of the owner's one of the same name."""
+    """Write the row of a trajectory of the log ``record``, replacing the owner's one of the same name."""
     ensure_log(connection, record)
     delete_added(connection, added.owner, added.log_id, added.name)
     connection.execute(insert(trajectories).values(asdict(added)))
 
 
 def delete_added(connection: Connection, owner: str, log_id: str, name: str) -> None:
-    """Forget a trajectory; one that is not there is no error."""
+    """Delete a trajectory. A missing one is no error."""
     of_it = (trajectories.c.owner == owner, trajectories.c.log_id == log_id, trajectories.c.name == name)
     connection.execute(delete(trajectories).where(*of_it))

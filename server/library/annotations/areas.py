@@ -1,4 +1,4 @@
-"""Areas of polygons on a map, by their corners."""
+"""Areas of polygons on a map, given by their corners."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 Corner = tuple[float, float]
-THIN = 1e-9  #: of the square of its extent: a polygon with less area has its corners in one line
+THIN = 1e-9  #: of the square of its extent; the corners of a polygon with less area are collinear
 
 
 def area_of(corners: Sequence[Corner]) -> float:
-    """Return the area of a polygon, positive where its corners are counter-clockwise: the shoelace formula."""
+    """Return the area of a polygon by the shoelace formula, positive if its corners are counter-clockwise."""
     _, crosses = _sums(corners)
     return 0.5 * float(crosses.sum())
 
@@ -24,7 +24,7 @@ def centroid(corners: Sequence[Corner]) -> Corner:
 
 
 def is_thin(corners: Sequence[Corner]) -> bool:
-    """Return whether the corners of a polygon are in one line: its area is zero up to rounding."""
+    """Return whether the corners of a polygon are collinear: its area is zero up to rounding."""
     extent = float(np.ptp(np.asarray(corners), axis=0).max())
     return abs(area_of(corners)) <= THIN * extent**2
 
@@ -33,7 +33,7 @@ def crosses_itself(corners: Sequence[Corner]) -> bool:
     """Return whether two sides of a polygon cross."""
     begin = np.asarray(corners, dtype=np.float64)
     end = np.roll(begin, -1, axis=0)
-    # Which side of side i the ends of side j are on. Two sides cross where each divides the ends of the other.
+    # The side of i on which the ends of side j are. Two sides cross if each separates the ends of the other.
     side = end - begin
     to_begin, to_end = begin[None] - begin[:, None], end[None] - begin[:, None]
     left = side[:, None, 0] * to_begin[..., 1] - side[:, None, 1] * to_begin[..., 0]
@@ -43,9 +43,9 @@ def crosses_itself(corners: Sequence[Corner]) -> bool:
 
 
 def _sums(corners: Sequence[Corner]) -> tuple[np.ndarray, np.ndarray]:
-    """Return for each side the sum of its ends (n, 2), and their cross product (n,), both from the first corner.
+    """Return for each side the sum of its ends (n, 2), and their cross product (n,), both relative to the first corner.
 
-    Far from the map's origin the products would lose digits.
+    Far from the map's origin, the products would lose digits.
     """
     begin = np.asarray(corners, dtype=np.float64) - np.asarray(corners[0])
     end = np.roll(begin, -1, axis=0)

@@ -22,12 +22,12 @@ MAX_LINKS_PER_OWNER = 100
 
 
 class LinkGoneError(MapperError):
-    """There is no such link: it never existed, or was revoked."""
+    """There is no such link, because it never existed, or was revoked."""
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A link of ``owner`` to a log. Knowing the ``token`` permits to open it; ``view`` is JSON."""
+    """A link of ``owner`` to a log. Anyone with the ``token`` may open it; ``view`` is JSON."""
 
     token: str
     owner: str
@@ -39,7 +39,8 @@ class Link:
 class Links:
     """All links, in memory and in the database. Used from the event loop only.
 
-    ``ended`` gets the token of each that another service or worker has revoked: who has opened it here is still there.
+    ``ended`` is called with each token that another service or worker has revoked, because visitors may still have it
+    open here.
     """
 
     def __init__(self, database: Database) -> None:
@@ -58,7 +59,7 @@ class Links:
     async def make(self, owner: str, record: Record, view: str) -> Link:
         """Return a new link of ``owner`` to a view of a log that ``owner`` may open.
 
-        Raises :class:`LimitError` for one too many, and ``StorageError``.
+        Raises :class:`LimitError` for too many links, and ``StorageError``.
         """
         if sum(link.owner == owner for link in self._links.values()) >= MAX_LINKS_PER_OWNER:
             message = f"You have {MAX_LINKS_PER_OWNER} links, the maximum: revoke one."
@@ -81,7 +82,7 @@ class Links:
         return link
 
     def of(self, owner: str, log_id: str) -> Sequence[Link]:
-        """Return the links of ``owner`` to a log, the newest first."""
+        """Return the links of ``owner`` to a log, newest first."""
         of_log = [link for link in self._links.values() if link.owner == owner and link.log_id == log_id]
         return sorted(of_log, key=lambda link: link.created_s, reverse=True)
 
@@ -93,7 +94,7 @@ class Links:
         self._links.pop(token, None)
 
     def drop(self, log_id: str) -> Sequence[str]:
-        """Forget the links to a deleted log, whose rows were deleted with it; return their tokens."""
+        """Remove the links to a deleted log, whose rows were deleted with it; return their tokens."""
         gone = [link.token for link in self._links.values() if link.log_id == log_id]
         for token in gone:
             del self._links[token]
@@ -101,7 +102,7 @@ class Links:
 
 
 async def _ignore(_: str) -> None:
-    """Do nothing with the token of a link that was revoked."""
+    """Ignore the token of a revoked link."""
 
 
 def _load(connection: Connection) -> Sequence[Link]:

@@ -1,6 +1,6 @@
-"""Notes on a log as files for other programs: GeoJSON (RFC 7946), which is also read, and CSV.
+"""Notes on a log as files for other programs: GeoJSON (RFC 7946), which can also be read, and CSV.
 
-Coordinates are metres in the frame of the map, not degrees: RFC 7946, 4 allows that where all who use a file agree, and
+Coordinates are metres in the frame of the map, not degrees. RFC 7946, 4 allows that if all users of a file agree, and
 each file says so.
 """
 
@@ -26,7 +26,7 @@ COLUMNS = ("id", "text", "seconds", "scan", "frame", "x_m", "y_m", "area_m2", "o
 
 @dataclass(frozen=True, slots=True)
 class MapFrame:
-    """The frame of a map: its name, and what is added to a place on the map for its coordinates there, metres."""
+    """The frame of a map: its name, and the offset to add to a place on the map for its coordinates there, metres."""
 
     name: str
     offset: Corner = (0.0, 0.0)
@@ -75,10 +75,10 @@ class _Features(Struct, tag_field="type", tag="FeatureCollection"):
 
 
 def notes_from_geojson(data: bytes, frame: MapFrame) -> list[tuple[str, Pin]]:
-    """Return the text and the place of each note of a file that :func:`notes_as_geojson` wrote for ``frame``.
+    """Return the text and the place of each note in a file that :func:`notes_as_geojson` wrote for ``frame``.
 
-    Of a polygon the outer ring counts. Raises :class:`ReadError` for another file, and :class:`MapperError` as
-    :class:`Pin` does.
+    Only the outer ring of a polygon is used. Raises :class:`ReadError` for another file, and :class:`MapperError` like
+    :class:`Pin`.
     """
     try:
         features = msgspec.json.decode(data, type=_Features).features
@@ -140,7 +140,7 @@ def _feature_of(note: Note, frame: MapFrame) -> dict[str, object]:
 
 
 def _ring(outline: Sequence[Corner], frame: MapFrame) -> list[Corner]:
-    """Return the corners counter-clockwise and closed, as RFC 7946, 3.1.6 asks of an outer ring."""
+    """Return the corners counter-clockwise and closed, as RFC 7946, 3.1.6 requires for an outer ring."""
     corners = [frame.place(x, y) for x, y in (outline if area_of(outline) > 0.0 else outline[::-1])]
     return [*corners, corners[0]]
 

@@ -1,4 +1,4 @@
-"""Notes on logs: each is pinned to a time of the log, to a place on its map, or to both. Used from the event loop."""
+"""Notes on logs. Each refers to a time of the log, to a place on its map, or to both. Used from the event loop."""
 
 from __future__ import annotations
 
@@ -28,15 +28,16 @@ class NoteNotFoundError(MapperError):
 
 
 class NoteReadOnlyError(MapperError):
-    """The note is another visitor's."""
+    """The note belongs to another visitor."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """Place of a note: ``at_s`` seconds after the log's first scan and the number of scans in the map then, a place
-    ``x``, ``y`` on the map, metres, or both. Raises :class:`MapperError` for neither.
+    """Place and time of a note: ``at_s`` seconds after the log's first scan, a place ``x``, ``y`` on the map, or both.
 
-    ``outline`` are the corners of an area on the map, which is not closed; without a place, that is its centroid.
+    With a time, the number of scans in the map at that time is given too. ``outline`` are the corners of an area on the
+    map, not closed; without a place, its centroid is used. Coordinates are metres. Raises :class:`MapperError` if
+    neither time nor place is given.
     """
 
     at_s: float | None = None
@@ -65,7 +66,7 @@ class Pin:
 
 @dataclass(frozen=True, slots=True)
 class NoteAnswer:
-    """A note as the HTTP interface shows it, with the fields of its :class:`Pin`; ``mine`` is the asking visitor's."""
+    """A note in the HTTP interface, with the fields of its :class:`Pin`; ``mine`` says whether the visitor wrote it."""
 
     id: str
     text: str
@@ -92,7 +93,7 @@ class Note:
     pin: Pin
 
     def public(self, visitor: str) -> NoteAnswer:
-        """Return what the HTTP interface shows to a visitor."""
+        """Return the answer of the HTTP interface for a visitor."""
         pin = self.pin
         return NoteAnswer(
             id=self.id,
@@ -109,7 +110,7 @@ class Note:
 
 
 class Notes:
-    """The notes on all logs, in the database. Whoever may open a log sees all notes on it and changes their own.
+    """The notes on all logs, in the database. Anyone who may open a log sees all notes on it and can change their own.
 
     All methods raise ``StorageError``.
     """
@@ -122,13 +123,13 @@ class Notes:
         return await self._database.run(lambda connection: _load(connection, log_id))
 
     async def add(self, author: str, record: Record, text: str, pin: Pin) -> Note:
-        """Return a new note of ``author`` on a log. Raises :class:`LimitError` for one too many."""
+        """Return a new note of ``author`` on a log. Raises :class:`LimitError` for too many notes."""
         now = time.time()
         note = Note(secrets.token_hex(10), author, record.id, now, now, _plain(text), pin)
 
         def work(connection: Connection) -> None:
             if connection.execute(select(logs.c.id).where(logs.c.id == record.id)).first() is None:
-                upsert_log(connection, record)  # of the sample there is no row otherwise
+                upsert_log(connection, record)  # otherwise the sample has no row
             of_log = notes.c.log_id == record.id
             count = select(func.count()).select_from(notes)
             if connection.execute(count.where(of_log)).scalar_one() >= MAX_NOTES_OF_LOG:
@@ -141,7 +142,7 @@ class Notes:
         return note
 
     async def change(self, author: str, log_id: str, note_id: str, text: str, pin: Pin) -> Note:
-        """Return a note of ``author`` with another text and pin; raises as :meth:`remove`."""
+        """Return a note of ``author`` with another text and pin. Raises like :meth:`remove`."""
 
         def work(connection: Connection) -> Note:
             note = _own(connection, author, log_id, note_id)
@@ -207,5 +208,5 @@ def _row(note: Note) -> dict[str, object]:
 
 
 def _plain(text: str) -> str:
-    """Return a text as every database takes it."""
+    """Return a text in a form that every database accepts."""
     return text.encode("utf-8", "replace").decode().replace("\0", "")

@@ -1,6 +1,6 @@
-"""Puzzles that visitors made: what each is made of, kept until its owner removes it.
+"""Visitors' puzzles: the specification of each, stored until its owner removes it.
 
-The library stores what it is made of, a text, without interpreting it.
+The library stores the specification, a text, without interpreting it.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ MAX_SPEC_BYTES = 1 << 20  #: a story has at most a thousand actions
 
 
 class PuzzleGoneError(MapperError):
-    """There is no such puzzle: it never existed, or was removed."""
+    """There is no such puzzle, because it never existed, or was removed."""
 
 
 @dataclass(frozen=True, slots=True)
 class MadePuzzle:
-    """A puzzle of ``owner``, made of a log (``log_id``) or a story of the lab (None), as ``spec`` says.
+    """A puzzle of ``owner``, created from a log (``log_id``) or a history of the lab (None) according to ``spec``.
 
-    Knowing the ``token`` permits to solve it.
+    Anyone with the ``token`` may solve it.
     """
 
     token: str
@@ -42,7 +42,7 @@ class MadePuzzle:
 
 
 class MadePuzzles:
-    """All puzzles that visitors made, in memory and in the database. Used from the event loop only."""
+    """All visitors' puzzles, in memory and in the database. Used from the event loop only."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -55,7 +55,7 @@ class MadePuzzles:
     async def make(self, owner: str, record: Record | None, title: str, spec: str) -> MadePuzzle:
         """Return a new puzzle of ``owner``; ``record`` is that of its log.
 
-        Raises :class:`LimitError` for one too many and for a story that is too long, and ``StorageError``.
+        Raises :class:`LimitError` for too many puzzles and for a history that is too long, and ``StorageError``.
         """
         if sum(puzzle.owner == owner for puzzle in self._made.values()) >= MAX_PUZZLES_PER_OWNER:
             message = f"You have {MAX_PUZZLES_PER_OWNER} puzzles, the maximum: remove one."
@@ -83,7 +83,7 @@ class MadePuzzles:
         return puzzle
 
     def of(self, owner: str) -> Sequence[MadePuzzle]:
-        """Return the puzzles of ``owner``, the newest first."""
+        """Return the puzzles of ``owner``, newest first."""
         return sorted(
             (puzzle for puzzle in self._made.values() if puzzle.owner == owner), key=lambda puzzle: -puzzle.created_s
         )
@@ -96,7 +96,7 @@ class MadePuzzles:
         self._made.pop(token, None)
 
     def drop(self, log_id: str) -> None:
-        """Forget the puzzles of a deleted log, whose rows were deleted with it."""
+        """Remove the puzzles of a deleted log, whose rows were deleted with it."""
         self._made = {token: puzzle for token, puzzle in self._made.items() if puzzle.log_id != log_id}
 
 

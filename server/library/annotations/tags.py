@@ -1,4 +1,4 @@
-"""Tags: words by which a visitor sorts the logs that they see, also those that belong to the server."""
+"""Tags: words by which a visitor sorts the accessible logs, including those of the server."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ MAX_TAGS_PER_OWNER = 5000
 
 
 def clean_tags(tags: Iterable[str]) -> tuple[str, ...]:
-    """Return tags in lower case with single spaces, each once, in alphabetical order.
+    """Return tags in lower case with single spaces, without duplicates, in alphabetical order.
 
-    Raises :class:`MapperError` for an empty or a long one, and :class:`LimitError` for too many.
+    Raises :class:`MapperError` for an empty or a long tag, and :class:`LimitError` for too many.
     """
     cleaned = {" ".join(tag.casefold().split()) for tag in tags}
     if any(not 1 <= len(tag) <= MAX_TAG_LENGTH or not tag.isprintable() or "," in tag for tag in cleaned):
@@ -49,7 +49,7 @@ class Tags:
         return self._tags.get((owner, log_id), ())
 
     async def put(self, owner: str, record: Record, tags: Iterable[str]) -> tuple[str, ...]:
-        """Give a log these tags, in the place of those that ``owner`` has given it. Raises as :func:`clean_tags`."""
+        """Replace the tags that ``owner`` has given a log. Raises like :func:`clean_tags`."""
         fresh = clean_tags(tags)
         others = sum(len(known) for (who, log), known in self._tags.items() if who == owner and log != record.id)
         if others + len(fresh) > MAX_TAGS_PER_OWNER:
@@ -68,7 +68,7 @@ class Tags:
         return fresh
 
     def drop(self, log_id: str) -> None:
-        """Forget the tags of a deleted log, whose rows were deleted with it."""
+        """Remove the tags of a deleted log, whose rows were deleted with it."""
         for key in [key for key in self._tags if key[1] == log_id]:
             del self._tags[key]
 

@@ -1,6 +1,6 @@
-"""The trajectories that visitors add to logs: files of TUM lines beside the logs, with records in the database.
+"""The trajectories that visitors add to logs: files of TUM lines stored with the logs, and records in the database.
 
-Only their owner sees them, also of logs that all visitors see. All methods run on the event loop; files are read and
+Only their owner sees them, even for logs that all visitors see. All methods run on the event loop; files are read and
 written on threads.
 """
 
@@ -48,15 +48,15 @@ MAX_NAME = 80  #: characters of a name
 MAX_OF_LOG = 20  #: trajectories that one visitor may add to a log
 MAX_OF_OWNER = 200  #: and to all logs together
 MAX_BYTES = 16 << 20  #: of one TUM file: 180,000 poses
-BY_HAND = "; its graph was changed by hand"  #: what the description of such a trajectory ends with
-KEPT = 64  #: joined trajectories that are kept in memory
+BY_HAND = "; its graph was changed by hand"  #: ending of the description of such a trajectory
+KEPT = 64  #: number of joined trajectories kept in memory
 
 _log = structlog.get_logger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
 class NewTrajectory:
-    """A trajectory to be added: its TUM ``text``, and the files of what it was computed with.
+    """A trajectory to add: its TUM ``text``, and files with the data from which it was computed.
 
     These are the pose ``graph`` of SLAM, or the ``filter_states`` of localization
     (:mod:`server.library.packs.filter_states`).
@@ -71,33 +71,33 @@ class NewTrajectory:
 
     @property
     def files(self) -> dict[str, bytes]:
-        """The files beside the TUM file, by their endings."""
+        """The files besides the TUM file, by their endings."""
         both = {GRAPH: self.graph, FILTER_STATES: self.filter_states}
         return {ending: data for ending, data in both.items() if data is not None}
 
 
 class Trajectories:
-    """All added trajectories, their records in memory and in ``database``, their files in the store of ``blobs``."""
+    """All added trajectories: records in memory and in ``database``, files in the store of ``blobs``."""
 
     def __init__(self, database: Database, blobs: Blobs, scratch: Path, room: Callable[[], int]) -> None:
         self._database = database
         self._files = blobs.beside(FILES)
         self._scratch = scratch
-        self._room = room  #: returns how many more bytes are allowed
+        self._room = room  #: returns the number of further bytes allowed
         self._added: dict[str, Added] = {}
-        self._changing = asyncio.Lock()  #: held while a trajectory comes or goes
-        self._reading = FairLock()  #: one file at a time is read
+        self._changing = asyncio.Lock()  #: held while a trajectory is added or removed
+        self._reading = FairLock()  #: one file is read at a time
         self._joined: OrderedDict[tuple[str, int], tuple[NDArray[np.int64], Trajectory | None]] = OrderedDict()
 
     async def start(self, *, may_delete: bool) -> None:
-        """Load the records and, where it ``may_delete``, remove files that belong to none.
+        """Load the records and, if ``may_delete``, remove files that belong to none.
 
         Raises :class:`StorageError`.
         """
         await self.follow()
         if not may_delete:
             return
-        with contextlib.suppress(StorageError):  # of a bucket that cannot be reached: another time
+        with contextlib.suppress(StorageError):  # an unreachable bucket; the next start removes them
             for name in await self._files.names(MIN_AGE_S if self._database.is_shared else 0.0):
                 if name.partition(".")[0] not in self._added:
                     await self._files.delete(name)
@@ -112,7 +112,7 @@ class Trajectories:
         return sum(trajectory.bytes for trajectory in self._added.values())
 
     def of(self, owner: str, log_id: str) -> Sequence[Added]:
-        """Return what ``owner`` has added to a log, oldest first."""
+        """Return the trajectories that ``owner`` has added to a log, oldest first."""
         return [
             trajectory
             for trajectory in self._added.values()
@@ -129,7 +129,8 @@ class Trajectories:
     def check(self, owner: str, log_id: str, name: str, own_names: Sequence[str]) -> None:
         """Check that ``owner`` may add a trajectory of this name to a log that has ``own_names`` of its own.
 
-        Raises :class:`ConfigError` for an invalid name or one of the log's own, :class:`LimitError` for one too many.
+        Raises :class:`ConfigError` for an invalid name or one of the log's own, :class:`LimitError` for too many
+        trajectories.
         """
         is_clean = name == name.strip() and all(unicodedata.category(c)[0] != "C" for c in name)
         if not 0 < len(name) <= MAX_NAME or not is_clean or "/" in name:
@@ -155,10 +156,9 @@ class Trajectories:
     async def put(self, owner: str, record: Record, log: ScanLog, new: NewTrajectory) -> tuple[Added, list[str]]:
         """Add a trajectory to ``log``, whose record is ``record``, or replace the owner's one of that name.
 
-        Return its record, and what was noted while it was read. Raises what
-        :func:`mapper.io.trajectories.read_tum` and :func:`mapper.io.trajectories.poses_at_all_scans` raise, as
-        :meth:`check`, :class:`LimitError` where there is no room, and :class:`StorageError`; then everything is as it
-        was.
+        Returns its record, and notes from reading it. Raises like :func:`mapper.io.trajectories.read_tum`,
+        :func:`mapper.io.trajectories.poses_at_all_scans` and :meth:`check`, :class:`LimitError` if there is no room,
+        and :class:`StorageError`; then nothing has changed.
         """
         beside = sum(map(len, new.files.values()))
         if self._room() < len(new.text) + beside:
@@ -194,7 +194,7 @@ class Trajectories:
         return added, notes
 
     async def _keep(self, record: Record, added: Added, file: Path, beside: dict[str, bytes]) -> None:
-        """Store files and row, or neither; remove those of the trajectory that is replaced."""
+        """Store files and row, or neither; remove those of the replaced trajectory."""
         try:
             await self._files.move_in(file, f"{added.id}.tum")
             for ending, data in beside.items():
@@ -214,14 +214,14 @@ class Trajectories:
     async def put_changed(
         self, owner: str, record: Record, log: ScanLog, name: str, text: bytes, graph: bytes
     ) -> Added:
-        """Replace a trajectory after its graph was changed by hand. Raises as :meth:`get` and :meth:`put`."""
+        """Replace a trajectory after its graph was changed by hand. Raises like :meth:`get` and :meth:`put`."""
         known = self.get(owner, record.id, name)
         description = known.description.removesuffix(BY_HAND) + BY_HAND
         added, _ = await self.put(owner, record, log, NewTrajectory(name, text, known.source, description, graph))
         return added
 
     async def delete(self, owner: str, log_id: str, name: str) -> None:
-        """Remove a trajectory. Sessions that have it go on.
+        """Remove a trajectory. Sessions that use it continue.
 
         Raises :class:`TrajectoryNotFoundError` and :class:`StorageError`.
         """
@@ -248,7 +248,7 @@ class Trajectories:
             return await asyncio.to_thread(lambda: gzip.decompress(_bytes_of(path)))
 
     async def graph(self, owner: str, log_id: str, name: str) -> bytes | None:
-        """Return the file of a trajectory's pose graph, None where it has none. Raises as :meth:`text`."""
+        """Return the file of a trajectory's pose graph, None if it has none. Raises like :meth:`text`."""
         added = self.get(owner, log_id, name)
         if not added.has_graph:
             return None
@@ -256,7 +256,7 @@ class Trajectories:
             return await asyncio.to_thread(_bytes_of, path)
 
     async def filter_states(self, owner: str, log_id: str, name: str) -> bytes | None:
-        """Return the file of the filter's states of a localization, None where it has none. Raises as :meth:`text`."""
+        """Return the file of a localization's filter states, None if it has none. Raises like :meth:`text`."""
         added = self.get(owner, log_id, name)
         if added.source != "localized":
             return None
@@ -264,10 +264,9 @@ class Trajectories:
             return await asyncio.to_thread(_bytes_of, path)
 
     async def joined(self, owner: str, log_id: str, log: ScanLog) -> ScanLog:
-        """Return ``log`` with what ``owner`` has added to it; it shares the readings.
+        """Return ``log`` with the trajectories that ``owner`` has added; it shares the readings.
 
-        A trajectory that cannot be used with these scans, which may be those of another sensor, is left out with a
-        note.
+        A trajectory that cannot be used with these scans, which may be another sensor's, is left out with a note.
         """
         extra: dict[str, Trajectory] = {}
         notes: list[str] = []
@@ -300,13 +299,13 @@ class Trajectories:
             _log.warning("an added trajectory could not be joined", trajectory=added.id, code=error.code)
             if isinstance(error, StorageError):
                 return None
-        self._joined[key] = (log.stamps_ns, trajectory)  # with the stamps, so that their id stays theirs
+        self._joined[key] = (log.stamps_ns, trajectory)  # with the stamps, so that their id is not reused
         if len(self._joined) > KEPT:
             self._joined.popitem(last=False)
         return trajectory
 
     async def _known(self, added: Added, n_scans: int) -> NDArray[np.bool_] | None:
-        """Return at which scans (n,) the poses of a localization are known; None for all, as of another sensor."""
+        """Return at which scans (n,) the poses of a localization are known; None if all are, or for another sensor."""
         async with self._files.file(f"{added.id}.{FILTER_STATES}") as path:
             converged = await asyncio.to_thread(read_converged, path)
         known = known_scans(converged)
@@ -314,7 +313,7 @@ class Trajectories:
 
 
 async def text_of(chunks: AsyncIterator[bytes]) -> bytes:
-    """Return the text that arrives in ``chunks``. Raises :class:`LimitError` for more than :data:`MAX_BYTES`."""
+    """Return the text that arrives in ``chunks``. Raises :class:`LimitError` if it exceeds :data:`MAX_BYTES`."""
     text = bytearray()
     async for piece in chunks:
         text += piece
@@ -324,7 +323,7 @@ async def text_of(chunks: AsyncIterator[bytes]) -> bytes:
 
 
 def left_out(name: str, trajectory: Trajectory) -> list[str]:
-    """Return a note on the scans that no map along a trajectory has, because their poses are not known."""
+    """Return a note on the scans that maps along a trajectory omit because their poses are unknown."""
     known = trajectory.is_known
     if known is None:
         return []

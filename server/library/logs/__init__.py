@@ -1,1 +1,1 @@
-"""The records of logs, and the logs that are no uploads."""
+"""The records of logs, and the logs that are not uploads."""

@@ -9,7 +9,7 @@ from server.library.packs.log import nbytes
 
 
 class LogCache:
-    """Keeps up to ``max_bytes`` of logs, and always the newest, so that all its sessions share it.
+    """Keeps up to ``max_bytes`` of logs, and always the newest one, so that all its sessions share it.
 
     Used from the event loop only.
     """
@@ -20,14 +20,14 @@ class LogCache:
         self.bytes = 0
 
     def get(self, log_id: str) -> ScanLog | None:
-        """Return the log and count it as just used; None where it is not kept."""
+        """Return the log and mark it as just used; None if it is not cached."""
         log = self._logs.get(log_id)
         if log is not None:
             self._logs.move_to_end(log_id)
         return log
 
     def put(self, log_id: str, log: ScanLog) -> None:
-        """Keep ``log``, removing the least recently used ones until it fits."""
+        """Cache ``log``, removing the least recently used ones until it fits."""
         self.drop(log_id)
         self._logs[log_id] = log
         self.bytes += nbytes(log)
@@ -36,7 +36,7 @@ class LogCache:
             self.drop(oldest)
 
     def drop(self, log_id: str) -> None:
-        """Remove a log, if it is kept."""
+        """Remove a log, if it is cached."""
         log = self._logs.pop(log_id, None)
         if log is not None:
             self.bytes -= nbytes(log)

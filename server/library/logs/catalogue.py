@@ -1,7 +1,7 @@
 """The catalogue: all records in memory, each with its row, blob and pack. Deleting a record deletes all of them.
 
-All methods run on the event loop. Equal uploads of several visitors share one blob, which is deleted
-with the last of them.
+All methods run on the event loop. Identical uploads of several visitors share one blob, which is deleted with the last
+of them.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from server.storage import StorageError
 
 _log = structlog.get_logger(__name__)
 
-INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading was interrupted too often
-UNSTORED = "log.storage"  #: code of the error of a log that the disk had no room to read
-FULL_BYTES = 1 << 20  #: of free space, below which a file system counts as full
+INTERRUPTED = "log.interrupted"  #: code of the error of a log whose reading was interrupted too often
+UNSTORED = "log.storage"  #: code of the error of a log for which the disk had no room
+FULL_BYTES = 1 << 20  #: free space below which a file system counts as full
 
 
 class Catalogue:
-    """The records of one library, kept in ``store``; ``root`` is the folder of its packs and pictures.
+    """The records of one library, stored in ``store``; ``root`` is the folder of its packs and pictures.
 
     ``forgotten`` is called with the id of each log whose record was removed; ``common`` has the files that several
     services share.
@@ -56,14 +56,14 @@ class Catalogue:
         self._root = root
         self._packs = root / "packs"
         self._pictures = root / "pictures"
-        self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
+        self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were or will be read
         self._blob_lock = asyncio.Lock()  #: held while a blob is added or deleted
         self.folder_logs: dict[str, FolderLog] = {}
 
     async def start(self, *, stores_match: bool = True) -> None:
         """Load the records of an earlier run and remove its unfinished files. Raises ``StorageError``.
 
-        Unless ``stores_match`` (the blobs are those of these records), no record and no blob is removed.
+        Unless ``stores_match`` (the blobs belong to these records), no record and no blob is removed.
         """
         records = await self._store.load()
         there: set[str] = set()
@@ -100,7 +100,7 @@ class Catalogue:
             _log.warning("the store of blobs could not be tidied")
 
     def _remove_unreferenced_packs(self) -> None:
-        """Remove half packs and pictures, and those that belong to no record."""
+        """Remove incomplete packs and pictures, and those that belong to no record."""
         for path in (*self._packs.iterdir(), *self._pictures.iterdir()):
             log_id = path.name.partition(".")[0]
             if path.suffix not in (".npz", ".png") or not (log_id in self._records or log_id in self.folder_logs):
@@ -121,7 +121,7 @@ class Catalogue:
         return [record for record in self._records.values() if record.source == "upload"]
 
     def interrupted(self) -> Sequence[Record]:
-        """Return the uploads, oldest first, whose reading an earlier run did not finish, or had no disk for."""
+        """Return the uploads, oldest first, whose reading an earlier run did not finish, or had no disk space for."""
         return [
             record
             for record in self.uploaded()
@@ -130,7 +130,7 @@ class Catalogue:
 
     @property
     def bytes(self) -> int:
-        """Bytes of all uploads, each counted once, and of what was read of them."""
+        """Bytes of all uploads, each counted once, and of the data read from them."""
         uploads = self.uploaded()
         return sum({upload.sha256: upload.bytes for upload in uploads}.values()) + sum(
             upload.packed_bytes for upload in uploads
@@ -141,11 +141,11 @@ class Catalogue:
         return self._packs / f"{log_id}.npz"
 
     def contents(self, log_id: str) -> Path:
-        """Return where the contents of a log's recording are, or will be."""
+        """Return the path of the contents of a log's recording; it may not exist yet."""
         return self._packs / f"{log_id}.contents.npz"
 
     def picture(self, log_id: str) -> Path:
-        """Return where the picture of a log's map is, or will be."""
+        """Return the path of the picture of a log's map; it may not exist yet."""
         return self._pictures / f"{log_id}.png"
 
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
@@ -157,19 +157,19 @@ class Catalogue:
         yield self.folder_logs[record.id].path
 
     async def fetch(self, log_id: str) -> None:
-        """Copy the pack and the picture of a log that another service has read, where they are not here yet."""
+        """Copy the pack and the picture of a log that another service has read, if they are missing here."""
         await self._common.fetch(self.pack(log_id), self.picture(log_id))
 
     async def publish(self, log_id: str) -> None:
-        """Copy the pack and the picture of a log to where other services find them."""
+        """Copy the pack and the picture of a log to the place where other services find them."""
         await self._common.publish(self.pack(log_id), self.picture(log_id))
 
     # -- changing -----------------------------------------------------------------------------------------------
 
     async def add(self, record: Record, incoming: Incoming) -> Record:
-        """Keep a new upload and its bytes; return the record of the same bytes and owner where there is one.
+        """Store a new upload and its bytes; return the record of the same bytes and owner if there is one.
 
-        Raises ``StorageError``; then there is nothing of it.
+        Raises ``StorageError``; then nothing of it is stored.
         """
         async with self._blob_lock, self._common.alone(record.sha256):
             for known in self.uploaded():
@@ -185,19 +185,19 @@ class Catalogue:
         return record
 
     def save(self, record: Record) -> None:
-        """Store a changed record, unless it is of an upload that was deleted: its bytes are gone.
+        """Store a changed record, unless it is of a deleted upload, whose bytes are gone.
 
         If it cannot be written, the change is lost at the next start.
         """
         if record.source == "upload" and record.id not in self._records:
             return
         self._records[record.id] = record
-        # Of the folder's logs only results that take long are kept: the rest is read again.
+        # For the folder's logs only expensive results are stored; everything else is read again.
         if record.source == "upload" or record.state == "ready":
             asyncio.ensure_future(self._store.change(record)).add_done_callback(_ignore_error)
 
     async def finish(self, record: Record, lease: Lease) -> None:
-        """Store what came of a job, unless the log was deleted, and end the job's lease.
+        """Store the result of a job, unless the log was deleted, and release the job's lease.
 
         If it cannot be written, the change is lost at the next start. Raises :class:`LeaseLostError`.
         """
@@ -210,7 +210,7 @@ class Catalogue:
             self._records[record.id] = record
 
     async def is_due(self, log_id: str) -> bool:
-        """Return whether a log is to be read, as the database says."""
+        """Return whether a log must be read, according to the database."""
         records = await self._store.get([log_id])
         if not records:
             return log_id in self.folder_logs
@@ -218,7 +218,7 @@ class Catalogue:
         return records[0].state in ("queued", "reading")
 
     async def follow(self, log_ids: Collection[str] | None) -> list[Record]:
-        """Take over what another service has changed of some logs, None: of any; return their records.
+        """Load the changes of another service for some logs, None: for any; return their records.
 
         Raises ``StorageError``.
         """
@@ -232,7 +232,7 @@ class Catalogue:
         return records
 
     async def delete(self, log_id: str) -> None:
-        """Remove a log's record, pack and, unless it is another's too, blob. Raises ``StorageError``."""
+        """Remove a log's record, pack and, unless another record shares it, blob. Raises ``StorageError``."""
         record = self._records.get(log_id)
         sha256 = record.sha256 if record is not None and record.source == "upload" else None
         async with self._blob_lock, self._common.alone(sha256):
@@ -241,7 +241,7 @@ class Catalogue:
             except StorageError:
                 if not _is_full(self._packs):
                     raise
-                # On a full disk the database cannot even delete. The log's files that can be made again give it room.
+                # On a full disk the database cannot even delete, so removing the log's derived files makes room.
                 self._remove_derived(log_id)
                 await self._store.delete(log_id)
             self._records.pop(log_id, None)
@@ -251,23 +251,23 @@ class Catalogue:
         await self._forget(log_id)
 
     async def _forget(self, log_id: str) -> None:
-        """Remove what is here of a log whose record was deleted."""
+        """Remove the local data of a log whose record was deleted."""
         self._records.pop(log_id, None)
-        self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
+        self._cache.drop(log_id)  # its other sensors' scans follow when they are the least recently used
         self._remove_derived(log_id)
         if self._forgotten is not None:
             await self._forgotten(log_id)
 
     def _remove_derived(self, log_id: str) -> None:
-        """Remove the files of a log that are made of its bytes."""
+        """Remove the files of a log that are derived from its bytes."""
         for path in (self.pack(log_id), self.contents(log_id), self.picture(log_id)):
             path.unlink(missing_ok=True)
 
     async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:
-        """Remove the uploads that were last used before ``oldest_s``, save those that are ``busy``."""
+        """Remove the uploads that were last used before ``oldest_s``, except those that are ``busy``."""
         for record in self.uploaded():
             if record.used_s < oldest_s and record.id not in busy:
-                with contextlib.suppress(StorageError):  # another time
+                with contextlib.suppress(StorageError):  # next time
                     await self.delete(record.id)
 
     def mark_used(self, record: Record) -> Record:
@@ -285,7 +285,7 @@ class Catalogue:
 
 
 def _is_full(folder: Path) -> bool:
-    """Whether the file system of a folder has so little room that a database may not be able to write."""
+    """Return whether the file system of a folder has so little room that a database may not be able to write."""
     try:
         room = os.statvfs(folder)
     except OSError:
@@ -295,4 +295,4 @@ def _is_full(folder: Path) -> bool:
 
 def _ignore_error(written: asyncio.Future[None]) -> None:
     if not written.cancelled():
-        written.exception()  # it stands in the service's log already, and a full disk must not stop a log in memory
+        written.exception()  # it is already logged, and a full disk must not stop the use of a log in memory

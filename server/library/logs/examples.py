@@ -1,4 +1,4 @@
-"""Example logs for visitors who have none, as the files that a robot would have recorded: runs in the simulator."""
+"""Example logs for visitors without logs, as the files that a robot would have recorded in simulated runs."""
 
 from __future__ import annotations
 
@@ -17,41 +17,41 @@ from mapper.sensors.scan import LaserScan
 
 ExampleName: TypeAlias = Literal["drift", "mount", "camera"]
 
-#: The name of the file of each.
+#: File name of each.
 FILES: dict[ExampleName, str] = {
     "drift": "simulated-drift.mcap",
     "mount": "simulated-wrong-mount.mcap",
     "camera": "simulated-camera-and-3d-lidar.mcap",
 }
-STATED_YAW = math.radians(6.0)  #: of the lidar of "mount", which truly looks straight ahead
-SCANS = 160  #: of "camera", with a cloud and an image at every second one
+STATED_YAW = math.radians(6.0)  #: of the lidar of "mount", which is actually aligned with the robot
+SCANS = 160  #: of "camera", with a cloud and an image at every second scan
 _LIDAR, _CAMERA = "lidar_3d", "camera"
-_FLOOR_M = 0.03  #: what is lower is drawn as floor
-_STRIPE_M = 0.5  #: width of the stripes on walls, by which the robot's motion is seen
+_FLOOR_M = 0.03  #: anything lower is drawn as floor
+_STRIPE_M = 0.5  #: width of the stripes on walls, which make the robot's motion visible
 
 
 def example_bytes(name: ExampleName) -> bytes:
-    """Return the file of an example: the same one each time."""
+    """Return the file of an example, which is always the same."""
     makers: dict[ExampleName, Callable[[], bytes]] = {"drift": _drift, "mount": _mount, "camera": _camera}
     return makers[name]()
 
 
 def _drift() -> bytes:
-    """Only the poses that the wheels measure, which drift."""
+    """Return a log whose only poses are those measured by the wheels, which drift."""
     file = io.BytesIO()
     export.write_mcap(file, simulation.sample_log(), trajectory="odometry")
     return file.getvalue()
 
 
 def _mount() -> bytes:
-    """True poses, and a mount that is stated as turned by :data:`STATED_YAW`."""
+    """Return a log with true poses, whose stated mount is rotated by :data:`STATED_YAW`."""
     file = io.BytesIO()
     export.write_mcap(file, replace(simulation.sample_log(), mount=(0.0, 0.0, STATED_YAW)), trajectory="true")
     return file.getvalue()
 
 
 def _camera() -> bytes:
-    """True poses, a planar lidar, and at every second scan a cloud of a 3D lidar and an image."""
+    """Return a log with true poses, a planar lidar, and at every second scan a 3D lidar's cloud and an image."""
     from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - as above
 
     from mapper.io.export import ros2  # noqa: PLC0415
@@ -92,7 +92,7 @@ def _camera() -> bytes:
 
 
 def _picture(ends: Float64Array, ranges: Float64Array) -> UInt8Array:
-    """Return the colours (n, 3) of pixels that see ``ends`` (n, 3), metres, from ``ranges`` (n,) away, +inf for none.
+    """Return the colours (n, 3) of pixels that see ``ends`` (n, 3), metres, at ``ranges`` (n,), +inf for none.
 
     Floors are brown, walls have stripes, and both are darker farther away.
     """

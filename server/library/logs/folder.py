@@ -15,12 +15,12 @@ from mapper.io import logs
 MAX_LOGS = 10_000
 TEXT_ENDS = frozenset({".xyz", ".pts", ".csv", ".asc"})  #: of clouds as text
 MAX_FILES = 100  #: in a folder that is one log,
-MAX_DEPTH_FILES = 10_000  #: and in one of depth images, with its subfolders
+MAX_DEPTH_FILES = 10_000  #: and in one of depth images, including its subfolders
 
 
 @dataclass(frozen=True, slots=True)
 class FolderLog:
-    """One log of the folder; ``id`` stays the same as long as its name, size and time do."""
+    """One log of the folder; ``id`` is constant as long as its name, size and time are."""
 
     id: str
     name: str
@@ -41,9 +41,9 @@ class LogFolder:
     def logs(self) -> list[FolderLog]:
         """Return the logs in the folder by name, at most :data:`MAX_LOGS`: its files, and folders that are one log.
 
-        Clouds, octrees and depth images are logs too. Hidden files, devices, what leads out of the folder, and what
-        does not begin as a log does are left out. A folder that is not there, or may not be read, is empty: the service
-        runs on without it.
+        Clouds, octrees and depth images are logs too. Hidden files, devices, links that lead out of the folder, and
+        files that do not begin like logs are left out. A folder that is missing or unreadable counts as empty, and the
+        service runs without it.
         """
         in_folder = []
         is_log_now = {}
@@ -70,7 +70,7 @@ class LogFolder:
 
 
 def _is_log(target: Path) -> bool:
-    """Return whether a file or folder begins as a planar log, or as what makes a map in 3D."""
+    """Return whether a file or folder begins like a planar log, or like a source of a 3D map."""
     # The readers of all formats, which few services need.
     from server.library.packs.volume_files import holds_volume  # noqa: PLC0415
 
@@ -81,7 +81,7 @@ def _is_log(target: Path) -> bool:
 
 
 def _is_cloud_by_name(target: Path) -> bool:
-    """Return whether a file with a cloud is one to list: lines of numbers may be poses or a matrix as well."""
+    """Return whether a file with a cloud should be listed; lines of numbers may also be poses or a matrix."""
     from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415
 
     return format_of(target, DEFAULT_LIMITS) != TEXT or any(end in TEXT_ENDS for end in target.suffixes[-2:])
@@ -99,8 +99,8 @@ def _within(path: Path, root: Path) -> Path | None:
 def _files_of(target: Path, root: Path) -> list[os.stat_result]:
     """Return the status of a file or of the files in a folder.
 
-    An empty list for a folder that holds anything but files, unless it is one of depth images: these are in a subfolder
-    in the form of TUM.
+    Returns an empty list for a folder that contains anything but files, unless it is one of depth images in TUM's
+    format, which are in a subfolder.
     """
     from mapper.io.clouds.depth_folder import is_depth_folder  # noqa: PLC0415 - as in _is_log
 
@@ -114,7 +114,7 @@ def _files_of(target: Path, root: Path) -> list[os.stat_result]:
         if len(inside) > most:
             return []
         files = [path.stat() for path in inside if _within(path, root) is not None]
-    except OSError:  # deleted meanwhile, or not readable
+    except OSError:  # deleted in the meantime, or unreadable
         return []
     return files if len(files) == len(inside) and all(stat.S_ISREG(file.st_mode) for file in files) else []
 

@@ -15,9 +15,9 @@ Order = Literal["newest", "name", "duration", "scans", "size"]
 
 @dataclass(frozen=True, slots=True)
 class LogQuery:
-    """``words`` all occur in the name, the format, a topic or a tag of a log; ``tags`` are all given to it.
+    """A log matches if all ``words`` occur in its name, format, topics or tags, and it has all ``tags``.
 
-    Of the logs in this ``order``, ``limit`` from ``offset`` on; None for all.
+    Of the matching logs in this ``order``, ``limit`` from ``offset`` on are selected; None for all.
     """
 
     words: str = ""
@@ -29,7 +29,7 @@ class LogQuery:
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """One page of the logs that were wanted; ``total`` is how many there are, ``tags`` how many logs have each tag."""
+    """One page of the matching logs; ``total`` is their number, ``tags`` the number of logs with each tag."""
 
     records: Sequence[Record]
     total: int

@@ -1,4 +1,4 @@
-"""The record of a log, the name under which it is shown, and the interface of the store of records."""
+"""The record of a log, its displayed name, and the interface of the store of records."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MAX_NAME = 120  #: characters of a name on the page
 class TrajectoryAnswer:
     """A trajectory of a log: its own (``source`` is "log"), or one that the visitor has added.
 
-    ``created_s`` is when it was added, seconds since 1970; ``has_graph`` says whether its pose graph is kept.
+    ``created_s`` is when it was added, seconds since 1970; ``has_graph`` says whether its pose graph is stored.
     """
 
     name: str
@@ -36,12 +36,12 @@ class TrajectoryAnswer:
 
 @dataclass(frozen=True, slots=True)
 class LogAnswer:
-    """A log as the HTTP interface shows it. Facts are null until the log was read.
+    """A log in the HTTP interface. Facts are null until the log has been read.
 
     ``reading_s`` are seconds since its reading began, null while it is not being read; ``tags`` are the visitor's own.
-    ``costmaps`` is how many there are in a recording without scans, ``clouds`` the number of scans in 3D of a file
-    without planar ones (an octree counts as one) and ``points`` those in them, or leaves of the octree. ``topics`` are
-    the streams of messages in the file, its sensors first.
+    ``costmaps`` is their number in a recording without scans, ``clouds`` the number of 3D scans in a file without
+    planar ones (an octree counts as one) and ``points`` the number of their points, or of leaves of the octree.
+    ``topics`` are the streams of messages in the file, its sensors first.
     """
 
     id: str
@@ -74,10 +74,10 @@ class LogAnswer:
 class Record:
     """One log. ``owner`` is the visitor who uploaded it, empty for the logs that all visitors see.
 
-    ``sha256`` names the stored bytes (uploads only); ``progress`` goes from 0 to 1 while the log is read;
-    ``summary`` is None until it was; ``attempts`` counts the readings that started and did not finish;
-    ``has_picture`` says whether there is a picture of its map. The sample is ``ready`` before that: it is created on
-    first use.
+    ``sha256`` names the stored bytes (uploads only); ``progress`` increases from 0 to 1 while the log is read;
+    ``summary`` is None before that; ``attempts`` is the number of readings that started and did not finish;
+    ``has_picture`` says whether there is a picture of its map. The sample is ``ready`` from the start, because it is
+    created on first use.
     """
 
     id: str
@@ -95,12 +95,12 @@ class Record:
     attempts: int = 0
     summary: LogSummary | None = field(default=None, repr=False)
     has_picture: bool = False
-    tags: tuple[str, ...] = ()  #: that the asking visitor has given to it
-    added: tuple[TrajectoryAnswer, ...] = field(default=(), repr=False)  #: trajectories that the asking visitor added
+    tags: tuple[str, ...] = ()  #: those of the requesting visitor
+    added: tuple[TrajectoryAnswer, ...] = field(default=(), repr=False)  #: trajectories added by the requesting visitor
 
     @property
     def packed_bytes(self) -> int:
-        """Bytes on the disk of what was read of it, which may be a thousand times what was uploaded."""
+        """Bytes on the disk of the data read from it, which may be a thousand times the upload."""
         if self.summary is None:
             return 0
         map_ = self.summary.map
@@ -108,7 +108,7 @@ class Record:
         return scans + 16 * self.summary.points + (0 if map_ is None else map_.rows * map_.cols)
 
     def public(self) -> LogAnswer:
-        """Return what the HTTP interface shows: no owner, no digest, no path."""
+        """Return the answer of the HTTP interface, without owner, digest and path."""
         summary = self.summary
         own = summary.trajectories if summary else ()
         return LogAnswer(
@@ -143,38 +143,38 @@ class Record:
 
 
 class Records(Protocol):
-    """A store of the records of logs. What is asked of it is done in the order in which it was asked.
+    """A store of the records of logs. Calls are carried out in order.
 
-    All of it raises :class:`server.storage.StorageError`.
+    All methods raise :class:`server.storage.StorageError`.
     """
 
     def load(self) -> Awaitable[Sequence[Record]]:
         """Return every record, oldest first."""
 
     def put(self, record: Record) -> Awaitable[None]:
-        """Keep ``record`` in the place of any older one with its id, wholly or not at all."""
+        """Store ``record``, replacing any older one with its id, completely or not at all."""
 
     def mark_used(self, record: Record) -> Awaitable[None]:
-        """Keep the time at which a log was used, and nothing else of its record."""
+        """Store the time at which a log was used, and nothing else of its record."""
 
     def get(self, record_ids: Collection[str]) -> Awaitable[Sequence[Record]]:
-        """Return the records of these ids that there are."""
+        """Return the existing records with these ids."""
 
     def change(self, record: Record) -> Awaitable[None]:
-        """Do what :meth:`writing` returns: a reading may end while its log is being deleted."""
+        """Run :meth:`writing` in a transaction, because a reading may end while its log is being deleted."""
 
     def writing(self, record: Record) -> Callable[[Any], None]:
-        """Return what writes a record in a transaction, unless it is that of an upload that was deleted."""
+        """Return a function that writes a record in a transaction, unless it is that of a deleted upload."""
 
     def is_stored(self, sha256: str) -> Awaitable[bool]:
-        """Return whether some record has these bytes."""
+        """Return whether any record has these bytes."""
 
     def delete(self, record_id: str) -> Awaitable[None]:
-        """Forget a record; one that is not there is no error."""
+        """Delete a record. A missing one is no error."""
 
 
 def summary_from_json(data: object) -> LogSummary | None:
-    """Return the summary that ``asdict`` made ``data`` of; None for one that lacks fields: it can be made again."""
+    """Return the summary from which ``asdict`` made ``data``; None if fields are missing, as it can be recomputed."""
     try:
         return msgspec.convert(data, LogSummary)
     except msgspec.ValidationError:
@@ -182,10 +182,10 @@ def summary_from_json(data: object) -> LogSummary | None:
 
 
 def display_name(name: str) -> str:
-    """Return ``name`` as it may be shown: its last path component, on one line, at most :data:`MAX_NAME` characters.
+    """Return ``name`` for display: its last path component, on one line, at most :data:`MAX_NAME` characters.
 
-    Control, format and surrogate characters go (a right-to-left override can make ``gnp.exe`` look like ``exe.png``);
-    a name of which nothing is left becomes "log". It is never used as a path.
+    Control, format and surrogate characters are removed (a right-to-left override can make ``gnp.exe`` look like
+    ``exe.png``); an empty result becomes "log". It is never used as a path.
     """
     last = name.replace("\\", "/").rstrip("/").rsplit("/", 1)[-1]
     printable = "".join(" " if c.isspace() else c for c in last if c.isspace() or unicodedata.category(c)[0] != "C")
@@ -200,4 +200,4 @@ class LogNotFoundError(MapperError):
 
 
 class LogReadOnlyError(MapperError):
-    """The log is not the visitor's to delete."""
+    """The visitor is not allowed to delete the log."""

@@ -27,11 +27,11 @@ class LogRows:
         return self._database.run(_load)
 
     def put(self, record: Record) -> asyncio.Future[None]:
-        """Keep ``record`` in the place of any older one with its id."""
+        """Store ``record``, replacing any older one with its id."""
         return self._database.run(lambda connection: upsert_log(connection, record))
 
     def mark_used(self, record: Record) -> asyncio.Future[None]:
-        """Keep the time at which a log was used, and nothing else of its record."""
+        """Store the time at which a log was used, and nothing else of its record."""
         return self._database.run(
             lambda connection: _ignore(
                 connection.execute(update(logs).where(logs.c.id == record.id).values(used_s=record.used_s))
@@ -39,25 +39,25 @@ class LogRows:
         )
 
     def get(self, record_ids: Collection[str]) -> asyncio.Future[Sequence[Record]]:
-        """Return the records of these ids that there are."""
+        """Return the existing records with these ids."""
         query = select(logs).where(logs.c.id.in_(record_ids))
         return self._database.run(lambda connection: [_record(row) for row in connection.execute(query)])
 
     def change(self, record: Record) -> asyncio.Future[None]:
-        """Do what :meth:`writing` returns."""
+        """Run :meth:`writing` in a transaction."""
         return self._database.run(self.writing(record))
 
     def writing(self, record: Record) -> Callable[[Connection], None]:
-        """Return what writes the row of a record in a transaction, unless it is that of an upload that was deleted."""
+        """Return a function that writes the row of a record in a transaction, unless it is that of a deleted upload."""
         return lambda connection: (_change_log if record.source == "upload" else upsert_log)(connection, record)
 
     def is_stored(self, sha256: str) -> asyncio.Future[bool]:
-        """Return whether some record has these bytes."""
+        """Return whether any record has these bytes."""
         query = select(logs.c.id).where(logs.c.sha256 == sha256).limit(1)
         return self._database.run(lambda connection: connection.execute(query).first() is not None)
 
     def delete(self, record_id: str) -> asyncio.Future[None]:
-        """Forget a record; one that is not there is no error."""
+        """Delete a record. A missing one is no error."""
 
         def work(connection: Connection) -> None:
             connection.execute(delete(logs).where(logs.c.id == record_id))
@@ -66,7 +66,7 @@ class LogRows:
 
 
 def _ignore(_: object) -> None:
-    """Return nothing: the result of a statement is of no use after its transaction."""
+    """Return None, because the result of a statement is of no use after its transaction."""
 
 
 def _change_log(connection: Connection, record: Record) -> None:
@@ -75,14 +75,14 @@ def _change_log(connection: Connection, record: Record) -> None:
 
 
 def upsert_log(connection: Connection, record: Record) -> None:
-    """Write the row of a record, in the place of any older one with its id."""
+    """Write the row of a record, replacing any older one with its id."""
     values = _values(record)
     if connection.execute(update(logs).where(logs.c.id == record.id).values(values)).rowcount == 0:
         connection.execute(insert(logs).values(values))
 
 
 def ensure_log(connection: Connection, record: Record) -> None:
-    """Write the row of a record unless it is there: of the sample, and of unread logs of the folder, there is none."""
+    """Write the row of a record if it is missing, as for the sample and for unread logs of the folder."""
     if connection.execute(select(logs.c.id).where(logs.c.id == record.id)).first() is None:
         upsert_log(connection, record)
 
@@ -110,7 +110,7 @@ def _values(record: Record) -> dict[str, Any]:
 
 
 def plain(message: str) -> str:
-    """Return a message that may quote a hostile file as every database takes it."""
+    """Return a message that may quote a hostile file in a form that every database accepts."""
     return message.encode("utf-8", "replace").decode().replace("\0", "")
 
 

@@ -23,7 +23,7 @@ _log = structlog.get_logger(__name__)
 
 
 class Sample:
-    """The sample and its record; the log is kept in ``cache`` like the others, and its map is drawn into ``picture``.
+    """The sample and its record. The log is kept in ``cache`` like the others, and its map is drawn into ``picture``.
 
     Used from the event loop.
     """
@@ -35,13 +35,13 @@ class Sample:
         self._job: asyncio.Task[ScanLog] | None = None
 
     def begin(self) -> None:
-        """Start making the sample, unless its summary is known or it is being made."""
+        """Start creating the sample, unless its summary is known or it is being created."""
         if self.record.summary is None and self._job is None:
             self._job = asyncio.create_task(self._make())
             self._job.add_done_callback(_note_failure)
 
     async def load(self) -> ScanLog:
-        """Return the sample; it is made again if the cache has dropped it."""
+        """Return the sample. It is created again if the cache has dropped it."""
         log = self._cache.get(SAMPLE_ID)
         if log is not None:
             return log
@@ -58,7 +58,7 @@ class Sample:
         finally:
             self._job = None
         self._cache.put(SAMPLE_ID, log)
-        with contextlib.suppress(OSError):  # of a full disk
+        with contextlib.suppress(OSError):  # a full disk
             await asyncio.to_thread(write_picture, log, self._picture)
         self.record = replace(self.record, summary=summarise(log), bytes=int(log.ranges.nbytes))
         return log
@@ -71,10 +71,10 @@ class Sample:
 
 
 def _note_failure(job: asyncio.Task[ScanLog]) -> None:
-    """Log why the sample was not made. The next request for the logs begins it again."""
+    """Log why the sample was not created. The next request for the logs starts it again."""
     if job.cancelled() or (error := job.exception()) is None:
         return
-    if isinstance(error, MemoryError | OSError):  # no memory, or no room on the disk
+    if isinstance(error, MemoryError | OSError):  # no memory, or no disk space
         _log.warning("sample not made", reason=str(error))
     else:
         _log.error("sample not made", exc_info=error)

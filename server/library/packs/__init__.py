@@ -1,1 +1,1 @@
-"""What is read of an upload, as the files that the library keeps of it."""
+"""Data read from uploads, as the files that the library stores."""

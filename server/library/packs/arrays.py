@@ -1,4 +1,4 @@
-"""Files of named arrays: the form of all packs. What is no array is JSON, in the array ``about``."""
+"""Files of named arrays, the format of all packs. Everything else is JSON, in the array ``about``."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from mapper.core.errors import MapperError
 
 Arrays = Mapping[str, NDArray[Any]]
 
-#: What reading such a file raises that is damaged, of another kind, or not there.
+#: Errors of reading such a file if it is damaged, of another kind, or missing.
 UNREADABLE = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError)
 
 
 def about_array(text: str) -> NDArray[np.uint8]:
-    """Return a text as an array (n,) of its bytes in UTF-8."""
+    """Return the UTF-8 bytes of a text as an array (n,)."""
     return np.frombuffer(text.encode(), dtype=np.uint8)
 
 
 def write_arrays(path: Path, about: str, arrays: Arrays) -> None:
-    """Write a pack atomically: it is there whole, or as it was before. Raises :class:`OSError`."""
+    """Write a pack atomically: it is complete, or as it was before. Raises :class:`OSError`."""
     stored: dict[str, Any] = {"about": about_array(about), **arrays}
     with atomic_write(path) as file:
         np.savez(file, **stored)
 
 
 def halves_of(path: Path) -> Iterable[Path]:
-    """Return what is left of writing ``path`` by a process that was ended meanwhile."""
+    """Return temporary files left by a process that was killed while writing ``path``."""
     return path.parent.glob(f".{path.name}.*")
 
 

@@ -1,6 +1,6 @@
-"""The contents of a recording in one .npz file beside its pack: found out once, and kept with the log.
+"""The contents of a recording in one .npz file next to its pack. They are read once, and stored with the log.
 
-No pickle on either side: everything that is not an array of numbers is JSON in an array of bytes.
+It contains no pickles: everything that is not an array of numbers is JSON in an array of bytes.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ VERSION = 7
 
 
 class StaleContentsError(Exception):
-    """The file is none of this version: the recording has to be gone through again."""
+    """The file has another version, so the recording must be read again."""
 
 
 def write_contents(contents: Contents, path: Path) -> None:
-    """Write ``contents`` to ``path`` atomically: it is there whole, or as it was before."""
+    """Write ``contents`` to ``path`` atomically: it is complete, or as it was before."""
     about = {
         "version": VERSION,
         "topics": [asdict(topic) for topic in contents.topics],

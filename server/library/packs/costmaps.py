@@ -65,9 +65,10 @@ def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
 
 
 def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
-    """Return the codes of a picture for the card: of the topic with most costmaps the one with most obstacles.
+    """Return the codes of a picture for the card: the costmap with the most obstacles.
 
-    Of a long recording :data:`MOST_LOOKED_AT` costmaps, spread evenly over it, are looked at.
+    It is one of the topic with the most costmaps. For a long recording, :data:`MOST_LOOKED_AT` costmaps, spread evenly
+    over it, are considered.
     """
     stream = max(streams.values(), key=len)
     at = np.unique(np.linspace(0, len(stream) - 1, min(len(stream), MOST_LOOKED_AT)).round().astype(int))
@@ -78,7 +79,7 @@ def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
 
 
 def summarise_costmaps(streams: Mapping[str, CostmapStream], name: str) -> LogSummary:
-    """Return the figures of a recording that has costmaps and no scans; times are those of the topic with most."""
+    """Return the figures of a recording with costmaps and no scans; times are those of the topic with most."""
     first = max(streams.values(), key=len)
     time, duration_s = time_without_gaps(first.received_ns)
     bad = sum(stream.bad for stream in streams.values())

@@ -1,4 +1,4 @@
-"""The states of the filter of a localization, in a file: how certain each pose is, the particles, and the map."""
+"""File of a localization's filter states: the uncertainty of each pose, the particles, and the map."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mapper.core.errors import ReadError
 from server.library.packs.arrays import UNREADABLE, compressed_arrays
 from server.library.packs.reference_map import ReferenceMap
 
-MOST_ROWS = 300_000  #: particles that are kept of all scans together
+MOST_ROWS = 300_000  #: particles stored for all scans together
 
 
 _UNREADABLE = "The file of this localization cannot be read; localize the log again."
@@ -27,10 +27,10 @@ _ARRAYS = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FilterStates:
-    """Of each of n scans what :class:`mapper.localization.Localized` has, and a sample of the particles.
+    """For each of n scans, the values of :class:`mapper.localization.Localized`, and a sample of the particles.
 
-    The particles of the k-th scan that was used are the rows ``offsets[k]`` to ``offsets[k + 1]`` of ``particles``
-    (m, 3) float32. ``covariance`` (n, 3, 3).
+    The particles of the k-th used scan are the rows ``offsets[k]`` to ``offsets[k + 1]`` of ``particles`` (m, 3)
+    float32. ``covariance`` is (n, 3, 3).
     """
 
     covariance: Float64Array
@@ -46,13 +46,13 @@ class FilterStates:
     given: ReferenceMap
 
     def cloud(self, scan: int) -> NDArray[np.float32]:
-        """Return the particles (k, 3) after a scan: those of the newest scan up to it that was used."""
+        """Return the particles (k, 3) after a scan: those of the last used scan up to it."""
         k = int(np.count_nonzero(self.is_updated[: scan + 1])) - 1
         return self.particles[self.offsets[k] : self.offsets[k + 1]] if k >= 0 else self.particles[:0]
 
 
 def thinned(clouds: list[NDArray[np.float32]]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return offsets and rows of ``clouds``, each k-th row where there are more than :data:`MOST_ROWS`."""
+    """Return offsets and rows of ``clouds``, every k-th row if there are more than :data:`MOST_ROWS`."""
     step = max(1, -(-sum(map(len, clouds)) // MOST_ROWS))
     samples = [cloud[::step] for cloud in clouds]
     offsets = np.concatenate([[0], np.cumsum([len(cloud) for cloud in samples])]).astype(np.int64)
@@ -60,12 +60,12 @@ def thinned(clouds: list[NDArray[np.float32]]) -> tuple[NDArray[np.int64], NDArr
 
 
 def filter_states_bytes(states: FilterStates) -> bytes:
-    """Return the file of the states of a filter."""
+    """Return the file of a filter's states."""
     return compressed_arrays({name: getattr(states, name) for name in _ARRAYS} | states.given.arrays())
 
 
 def read_converged(path: Path) -> NDArray[np.bool_]:
-    """Return of a file at which scans (n,) the filter had converged. Raises as :func:`read_filter_states`."""
+    """Return from a file at which scans (n,) the filter had converged. Raises like :func:`read_filter_states`."""
     try:
         with np.load(path, allow_pickle=False) as arrays:
             converged: NDArray[np.bool_] = arrays["is_converged"]
@@ -75,11 +75,11 @@ def read_converged(path: Path) -> NDArray[np.bool_]:
 
 
 def read_filter_states(data: bytes) -> FilterStates:
-    """Return what :func:`filter_states_bytes` was given. Raises :class:`ReadError` for anything else."""
+    """Return what was passed to :func:`filter_states_bytes`. Raises :class:`ReadError` for anything else."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
             arrays_ = {name: arrays[name] for name in _ARRAYS if name in arrays}
-            # Of a file that was made before it was stated, nothing is known to be sure.
+            # In an older file without this field, no scan counts as sure.
             arrays_.setdefault("is_sure", np.zeros(len(arrays_["is_converged"]), dtype=np.bool_))
             return FilterStates(**arrays_, given=ReferenceMap.of_arrays(arrays))
     except UNREADABLE as error:

@@ -29,7 +29,7 @@ def graph_bytes(graph: PoseGraph, candidates: LoopCandidates) -> bytes:
 
 
 def read_graph(data: bytes) -> tuple[PoseGraph, LoopCandidates]:
-    """Return what :func:`graph_bytes` was given. Raises :class:`ReadError` for anything else."""
+    """Return what was passed to :func:`graph_bytes`. Raises :class:`ReadError` for anything else."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
             about = json.loads(arrays["about"].tobytes())

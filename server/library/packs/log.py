@@ -1,7 +1,7 @@
 """A robot's log as arrays in one .npz file, from which each sensor is loaded without running the reader again.
 
-No pickle on either side: everything that is not an array of numbers is JSON in an array of bytes. An array that several
-sensors share, as the poses of tf, is stored once.
+It contains no pickles: everything that is not an array of numbers is JSON in an array of bytes. An array that several
+sensors share, such as the poses of tf, is stored once.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ _ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts", "order_ns")
 _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log that are neither arrays nor plain JSON
 
 Array = NDArray[Any]
-Store = Callable[[Array], int]  #: keeps an array, returns its number
-Load = Callable[[int], Array]  #: returns the array of a number
+Store = Callable[[Array], int]  #: stores an array, returns its number
+Load = Callable[[int], Array]  #: returns the array with a number
 
 
 class _Poses(Struct, frozen=True):
-    """Poses with stamps of their own; arrays by their numbers."""
+    """Poses with their own stamps; arrays by their numbers."""
 
     stamps_ns: int
     poses: int
@@ -118,7 +118,7 @@ class _Odometry(Struct, frozen=True):
 
 
 class _About(Struct, frozen=True):
-    """What a pack holds besides arrays.
+    """The contents of a pack besides arrays.
 
     ``sensors`` have the fields of :class:`ScanLog` by name, so that a new field of numbers or text is stored too.
     """
@@ -129,15 +129,15 @@ class _About(Struct, frozen=True):
 
 
 class StalePackError(Exception):
-    """The file is no pack of this version: read the log again."""
+    """The file is not a pack of this version, so the log must be read again."""
 
 
 class NotPackedError(Exception):
-    """The pack does not hold the sensor that is asked for."""
+    """The pack does not contain the requested sensor."""
 
 
 def write_pack(log: RobotLog, path: Path) -> None:
-    """Write ``log`` to ``path`` atomically: it is there whole, or as it was before."""
+    """Write ``log`` to ``path`` atomically: it is complete, or as it was before."""
     arrays: dict[int, Array] = {}  #: by their ids, in the order of their numbers
 
     def store(array: Array) -> int:
@@ -172,7 +172,8 @@ def _described(log: ScanLog, store: Store) -> dict[str, Any]:
 def read_pack(path: Path, topic: str | None = None) -> ScanLog:
     """Return one sensor (None: the first) of the log that :func:`write_pack` wrote; only its arrays are read.
 
-    Raises :class:`NotPackedError` for a sensor that the pack lacks, :class:`StalePackError` for any other file or none.
+    Raises :class:`NotPackedError` if the pack does not contain the sensor, :class:`StalePackError` for any other file
+    or none.
     """
     with _opened(path) as (about, load):
         sensors = about.sensors
@@ -231,7 +232,7 @@ def _log_of(about: dict[str, Any], topics: Sequence[Topic], load: Load) -> ScanL
 
 
 def nbytes(log: ScanLog) -> int:
-    """Return how much memory the log's arrays take."""
+    """Return the memory used by the log's arrays, bytes."""
     timed = [trajectory.timed for trajectory in log.trajectories.values() if trajectory.timed is not None]
     arrays: list[Array | None] = [log.ranges, log.stamps_ns, log.mounts]
     arrays += [trajectory.poses for trajectory in log.trajectories.values()]
@@ -243,7 +244,7 @@ def nbytes(log: ScanLog) -> int:
 
 
 def log_in(pack: str) -> ScanLog:
-    """Return the log of a job, all sensors that it is to use as one. Raises :class:`ReadError` where it is gone."""
+    """Return the log of a job, with all sensors to use as one. Raises :class:`ReadError` if it is missing."""
     try:
         return read_whole_pack(Path(pack))
     except StalePackError:

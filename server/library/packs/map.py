@@ -1,4 +1,4 @@
-"""Summary and picture of a map for the library: what only a reading needs, which imports the replay."""
+"""Summary and picture of a map for the library. They need the replay, and are only used in readings."""
 
 from __future__ import annotations
 
@@ -26,6 +26,6 @@ def summarise_map(reference: ReferenceMap) -> LogSummary:
 
 
 def map_codes(reference: ReferenceMap) -> UInt8Array:
-    """Return the codes of a picture of a map, for its card."""
+    """Return the codes of a map's picture for its card."""
     values = reference.values
     return cells_overview((values >= 0) & (values < 100 * FREE_THRESHOLD), values > 100 * OCCUPIED_THRESHOLD)

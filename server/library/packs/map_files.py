@@ -1,8 +1,8 @@
-"""Map files as one upload: a tar archive of a yaml and its image, as map_server has them, or a map of CMU's course.
+"""Map files as one upload: a tar archive of a yaml and its image, as for map_server, or a map of CMU's course.
 
-Besides, an archive may hold masks of the same cells, ``NAME_keepout.yaml`` of Nav2's keepout filter and
-``NAME_speed.yaml`` of its speed filter, each with its image, and the edits that made the map, ``NAME.edits.json``: what
-the page of map editing saves.
+An archive may also contain masks of the same cells, ``NAME_keepout.yaml`` of Nav2's keepout filter and
+``NAME_speed.yaml`` of its speed filter, each with its image, and the edits that made the map, ``NAME.edits.json``. The
+page of map editing saves such archives.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ MOST_BYTES = 256 << 20  #: of all of them together
 MOST_NAME_BYTES = 200  #: of a file's name
 _YAML = (".yaml", ".yml")
 _IMAGES = (".pgm", ".png", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif")
-_MASKS = {"keepout": "_keepout", "speed": "_speed"}  #: of a map: how the name of its yaml ends
+_MASKS = {"keepout": "_keepout", "speed": "_speed"}  #: of a map: ending of the name of its yaml
 _EDITS = ".edits.json"
 
 
 def archived(files: Iterable[tuple[str, bytes]]) -> bytes:
-    """Return a tar archive of files, by name. The same files give the same bytes."""
+    """Return a tar archive of files, by name. The same files yield the same bytes."""
     out = io.BytesIO()
     with tarfile.open(fileobj=out, mode="w", format=tarfile.PAX_FORMAT) as archive:
         for name, data in files:
@@ -45,7 +45,7 @@ def archived(files: Iterable[tuple[str, bytes]]) -> bytes:
 
 
 def is_map(source: Path) -> bool:
-    """Return whether an upload holds map files and nothing else."""
+    """Return whether an upload contains map files and nothing else."""
     from mapper.io.maps.bee import is_bee_map  # noqa: PLC0415 - only the processes that read uploads read maps
 
     if source.is_dir():
@@ -62,9 +62,9 @@ def is_map(source: Path) -> bool:
 
 
 def read_map(source: Path, title: str, scratch: Path) -> ReferenceMap:
-    """Return the map in an upload; files are unpacked below ``scratch`` meanwhile.
+    """Return the map in an upload; files are temporarily unpacked below ``scratch``.
 
-    ``title`` is that of a map of CMU's course; another one is named after its yaml. Raises :class:`ReadError` and
+    ``title`` is used for a map of CMU's course; others are named after their yaml. Raises :class:`ReadError` and
     :class:`LimitError`.
     """
     from mapper.io.maps import load_map  # noqa: PLC0415 - only the processes that read uploads read maps
@@ -97,7 +97,7 @@ def read_map(source: Path, title: str, scratch: Path) -> ReferenceMap:
 
 
 def _masks_in(yamls: list[str]) -> dict[str, str]:
-    """Return the yaml of each kind of mask, of the first by that name; one yaml alone is a map whatever its name."""
+    """Return the first yaml of each kind of mask by name; a single yaml is a map whatever its name."""
     masks: dict[str, str] = {}
     for name in yamls if len(yamls) > 1 else ():
         for kind, ending in _MASKS.items():
@@ -123,7 +123,7 @@ def _files_in(source: Path) -> list[Member]:
             raise ReadError(
                 "map.files", "These are not map files: choose a yaml together with its image, or a map of CMU’s course."
             )
-    # Long names have records of their own.
+    # Long names have their own records.
     files, _ = members(source, replace(DEFAULT_LIMITS, max_archive_files=4 * MOST_FILES))
     if len(files) > MOST_FILES:
         raise LimitError("map.files", f"Map files are a yaml and an image, at most {MOST_FILES} files.")
@@ -131,7 +131,7 @@ def _files_in(source: Path) -> list[Member]:
 
 
 def _unpacked(source: Path, folder: Path) -> list[str]:
-    """Write the files of a tar archive into ``folder`` by their last names, and return these."""
+    """Extract the files of a tar archive into ``folder`` by their base names, and return these."""
     files = _files_in(source)
     if sum(file.size for file in files) > MOST_BYTES:
         raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")

@@ -1,4 +1,4 @@
-"""The picture of a log's map on its card: a small PNG with a palette, which is exchanged for a dark page."""
+"""The picture of a log's map on its card: a small PNG with a palette, which is replaced for a dark page."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from mapper.core.atomic_file import atomic_write
 from mapper.replay.overview import map_overview
 from mapper.sensors.scan import ScanLog
 
-#: Colours of the cells of maps by their code: unobserved (transparent), free, occupied, the path.
+#: Colours of map cells by code: unobserved (transparent), free, occupied, the path.
 _MAP_LIGHT = ((229, 224, 207), (179, 213, 244), (107, 38, 5), (8, 112, 95))
 _MAP_DARK = ((14, 18, 26), (47, 91, 133), (255, 178, 125), (84, 211, 186))
-HEIGHTS = (4, 16)  #: the first code of the heights of clouds, and how many there are
+HEIGHTS = (4, 16)  #: the first code of the heights of clouds, and their number
 
 
 def _between(*colours: tuple[int, int, int]) -> tuple[tuple[int, int, int], ...]:
@@ -31,7 +31,7 @@ DARK = (*_MAP_DARK, *_between((47, 91, 133), (60, 170, 160), (235, 190, 90), (25
 
 
 def write_picture(log: ScanLog, path: Path) -> bool:
-    """Draw ``log`` into the file ``path``; return whether there was something to draw. Raises :class:`OSError`."""
+    """Draw ``log`` into the file ``path``; return whether there was anything to draw. Raises :class:`OSError`."""
     codes = map_overview(log)
     if codes is None:
         return False
@@ -40,7 +40,7 @@ def write_picture(log: ScanLog, path: Path) -> bool:
 
 
 def png_of(codes: UInt8Array) -> bytes:
-    """Return a picture of ``codes`` (rows, cols), the first row on top, as PNG in the colours of a light page."""
+    """Return a picture of ``codes`` (rows, cols), first row on top, as PNG in the colours of a light page."""
     image = Image.fromarray(codes, mode="P")
     image.putpalette([value for colour in LIGHT for value in colour])
     out = io.BytesIO()

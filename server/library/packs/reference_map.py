@@ -1,4 +1,4 @@
-"""A map of the library, or one that a log is localized in, and its file of arrays."""
+"""A map of the library, or one in which a log is localized, and its file of arrays."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ VERSION = 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReferenceMap:
-    """``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown. ``title`` is for people.
+    """``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 to 100, −1 unknown. ``title`` is for display.
 
-    ``notes`` are those of its reader. ``keepout`` and ``speed`` (rows, cols) int8 are its keepout mask and its mask of
-    speed limits, 0 … 100, None for none.
+    ``notes`` are those of its reader. ``keepout`` and ``speed`` (rows, cols) int8 are its masks of keepout zones and of
+    speed limits, 0 to 100, None for none.
     """
 
     title: str
@@ -34,7 +34,7 @@ class ReferenceMap:
     speed: NDArray[np.int8] | None = None
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return what a file of arrays has of it."""
+        """Return its data for a file of arrays."""
         geometry = self.geometry
         about = {
             "version": VERSION,
@@ -69,7 +69,7 @@ class ReferenceMap:
             file.write(compressed_arrays(self.arrays()))
 
     def public(self) -> MapAnswer:
-        """Return what the HTTP interface shows."""
+        """Return the answer of the HTTP interface."""
         return MapAnswer.of(self.title, self.geometry, self.notes)
 
 
@@ -84,9 +84,9 @@ class TerrainCounts:
 
 @dataclass(frozen=True, slots=True)
 class MapAnswer:
-    """A map as the HTTP interface shows it: ``resolution`` metres a cell, ``origin`` x, y (m) and yaw (rad).
+    """A map in the HTTP interface: ``resolution`` metres per cell, ``origin`` x, y (m) and yaw (rad).
 
-    ``classes`` counts the patches of the terrain of a cloud, null of other maps.
+    ``classes`` are the numbers of terrain patches of a cloud, null for other maps.
     """
 
     title: str
@@ -105,19 +105,19 @@ class MapAnswer:
         notes: tuple[str, ...] = (),
         classes: TerrainCounts | None = None,
     ) -> MapAnswer:
-        """Return the answer of a map with a geometry."""
+        """Return the answer for a map with this geometry."""
         return cls(title, geometry.rows, geometry.cols, geometry.resolution, geometry.origin, notes, classes)
 
 
 @dataclass(frozen=True, slots=True)
 class ChosenMap:
-    """The map that was chosen; null for none."""
+    """The chosen map; null for none."""
 
     map: MapAnswer | None
 
 
 def read_reference_map(path: Path) -> ReferenceMap:
-    """Return the map in a file. Raises :class:`ConfigError` where there is none."""
+    """Return the map in a file. Raises :class:`ConfigError` if there is none."""
     try:
         with np.load(path, allow_pickle=False) as arrays:
             return ReferenceMap.of_arrays(arrays)

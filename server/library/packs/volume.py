@@ -1,4 +1,4 @@
-"""Data of a 3D map as one .npz file: the scans of clouds, or an octree. No pickle on either side."""
+"""Source of a 3D map as one .npz file without pickles: the scans of clouds, or an octree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading what a 3D map is made of in the worker process: clouds, scan graphs, depth folders, recordings, octrees."""
+"""Reading the source of a 3D map in the worker process: clouds, scan graphs, depth folders, recordings, octrees."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from server.library.packs.volume import VolumeSource, write_volume_pack
 MOST_OCTREE_BYTES = 256 << 20  #: of the file of an octree, whose tree is kept in memory
 SIDE = 320  #: pixels along the longer side
 MOST_POINTS = 400_000
-OUTLIERS = 0.5  #: per cent of the points at each end of an axis that may lie outside the picture
+OUTLIERS = 0.5  #: percentage of the points at each end of an axis that may be outside the picture
 
 
 def holds_volume(path: Path) -> bool:
     """Return whether a file is a cloud, a scan graph, an octree or an archive of depth images, by its bytes.
 
-    So is a folder of depth images; a text of numbers that is a known log is none. Raises :class:`ReadError` where the
+    A folder of depth images is one too; a text of numbers that is a known log is not. Raises :class:`ReadError` if the
     file cannot be read.
     """
     if path.is_dir():
@@ -51,20 +51,20 @@ def holds_volume(path: Path) -> bool:
 
 
 def read_volume(path: Path, topic: str | None, progress: Progress) -> VolumeSource:
-    """Return what the file holds. Raises :class:`ReadError` and :class:`LimitError`."""
+    """Return the contents of the file. Raises :class:`ReadError` and :class:`LimitError`."""
     head = b"" if path.is_dir() else file_head(path, DEFAULT_LIMITS)
     if is_octree(head):
         return octree_of_bytes(content(path, replace(DEFAULT_LIMITS, max_cloud_bytes=MOST_OCTREE_BYTES)), "The octree")
     if is_zip(head) or (not path.is_dir() and cloud_format(head) is None and is_depth_archive(path, DEFAULT_LIMITS)):
         with tempfile.TemporaryDirectory(prefix="gridbloom-depth-") as folder:
-            # Half of the progress is unpacking, half is reading the images.
+            # Half of the progress is for unpacking, half for reading the images.
             unpack_depth_archive(path, Path(folder), DEFAULT_LIMITS, lambda share: progress(0.5 * share))
             return gather(folder, progress=lambda share: progress(0.5 + 0.5 * share))
     return gather(path, topic=topic, progress=progress)
 
 
 def store_volume(source: VolumeSource, pack: Path | None, picture: Path | None) -> None:
-    """Write the pack and the picture of what was read. Raises :class:`LimitError` where it cannot be stored."""
+    """Write the pack and the picture. Raises :class:`LimitError` if there is no room."""
     if pack is not None:
         try:
             write_volume_pack(source, pack)
@@ -77,7 +77,7 @@ def store_volume(source: VolumeSource, pack: Path | None, picture: Path | None) 
 
 
 def summarise_volume(source: VolumeSource, name: str) -> LogSummary:
-    """Return the figures of what a 3D map is made of."""
+    """Return the figures of the source of a 3D map."""
     if not isinstance(source, ScanSequence):
         if source.tree.n_nodes == 0:
             raise ReadError("octree.empty", "The octree has no nodes.")
@@ -102,7 +102,7 @@ def _summary(
 
 
 def write_volume_picture(source: VolumeSource, path: Path) -> bool:
-    """Draw ``source`` into the file ``path``; return whether there was something to draw. Raises :class:`OSError`."""
+    """Draw ``source`` into the file ``path``; return whether there was anything to draw. Raises :class:`OSError`."""
     points = _points(source)
     if not len(points):
         return False

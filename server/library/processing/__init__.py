@@ -1,1 +1,1 @@
-"""The jobs on logs: reading, pictures, contents, SLAM, localization, merging, mapping all."""
+"""The jobs on logs: reading, pictures, contents, SLAM, localization, merging, mapping of all logs."""

@@ -1,4 +1,4 @@
-"""Reads the numbers of any topic over a whole recording, in a process with limits: what is decoded, others wrote."""
+"""Reads the numbers of any topic of a recording in a process with limits, because the data is untrusted."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class FieldLookups:
     async def names(
         self, record: Record, visitor: str, topics: Sequence[tuple[str, str]], *, address: str = ""
     ) -> list[TopicFields] | float:
-        """Return the fields of each of ``topics``, or how far finding them is, as :meth:`Lookups.look_up` does."""
+        """Return the fields of each of ``topics``, or the completed share of reading; see :meth:`Lookups.look_up`."""
         return await self._names.look_up(
             record.id,
             record,
@@ -72,7 +72,7 @@ class FieldLookups:
         )
 
     async def series(self, record: Record, visitor: str, topic: str, kind: str, *, address: str = "") -> Series | float:
-        """Return all numbers of a topic, or how far reading them is, as :meth:`Lookups.look_up` does."""
+        """Return all numbers of a topic, or the completed share of reading them; see :meth:`Lookups.look_up`."""
         return await self._series.look_up(
             f"{record.id} {topic}",
             record,
@@ -82,6 +82,6 @@ class FieldLookups:
         )
 
     async def close(self) -> None:
-        """End what runs, and the processes."""
+        """End running jobs and the processes."""
         await self._names.close()
         await self._series.close()

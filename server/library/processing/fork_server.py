@@ -1,7 +1,7 @@
-"""The fork server that processes of jobs are forked from preloads this module: no job waits for the readers' import.
+"""Preloaded by the fork server of job processes, so that no job waits for the import of the readers.
 
-Imported by that process alone (``multiprocessing``'s fork server), which runs no job. It ignores the signals that end
-the service: a service manager may send them to all processes of the service, and with it the jobs that run would end as
+Imported only by that process (``multiprocessing``'s fork server), which runs no job. It ignores the signals that end
+the service: a service manager may send them to all processes of the service, and if it ended, running jobs would end as
 if they had failed. It ends when the service has ended.
 """
 

@@ -1,6 +1,6 @@
-"""Finds out what recordings hold, each once and in a process with limits, and keeps it beside the log's pack.
+"""Reads the contents of recordings, each once and in a process with limits, and stores them next to the log's pack.
 
-It has a process of its own: to look into a log does not wait for the reading of another one.
+It has its own process, so that a request for contents does not wait for the reading of another log.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from server.library.processing.reading_jobs import unstored
 
 @dataclass(frozen=True, slots=True)
 class InspectJob(BoundedJob[None]):
-    """Find out what the recording ``source`` holds, and write it to ``target``."""
+    """Read the contents of the recording ``source``, and write them to ``target``."""
 
     BACKGROUND = True
 
@@ -30,7 +30,7 @@ class InspectJob(BoundedJob[None]):
     limits: JobLimits
 
     def compute(self) -> None:
-        """Find it out. Raises :class:`ReadError` or :class:`LimitError`."""
+        """Read the contents. Raises :class:`ReadError` or :class:`LimitError`."""
         from mapper.io.contents.inspection import inspect  # noqa: PLC0415 - only the process that reads needs the readers
 
         contents = inspect(Path(self.source), progress=process.note_progress)
@@ -49,9 +49,9 @@ class Inspections:
         self.lookups: Lookups[Contents] = Lookups(catalogue, limits.memory_bytes)
 
     async def contents(self, record: Record, visitor: str, *, address: str = "") -> Contents | float:
-        """Return what a log's recording holds; where that is not known yet begin to find out, and return how far it is.
+        """Return a recording's contents; if they are unknown, start reading them, and return the completed share.
 
-        The inspection ends when no request waits for it. Raises what it raised, once.
+        The inspection ends when no request waits for it. Raises its error, once.
         """
         path = self._catalogue.contents(record.id)
         return await self.lookups.look_up(
@@ -64,11 +64,11 @@ class Inspections:
         )
 
     def cancel(self, log_id: str, visitor: str) -> None:
-        """End the inspection of a log that ``visitor`` began; see :meth:`Lookups.cancel`."""
+        """End the inspection of a log that ``visitor`` started; see :meth:`Lookups.cancel`."""
         self.lookups.cancel(log_id, visitor)
 
     async def close(self) -> None:
-        """End what runs, and the process."""
+        """End running inspections, and the process."""
         await self.lookups.close()
 
 

@@ -51,7 +51,7 @@ class JobRowsOfLogs:
         return self._database.run(work)
 
     def put(self, kind: JobKind[Q, R], records: Sequence[JobRecord[Q, R]]) -> asyncio.Future[None]:
-        """Keep records in the place of the owners' older ones, in one transaction."""
+        """Store records, replacing the owners' older ones, in one transaction."""
         writes = [self.writing(kind, record) for record in records]
 
         def work(connection: Connection) -> None:
@@ -61,7 +61,7 @@ class JobRowsOfLogs:
         return self._database.run(work)
 
     def writing(self, kind: JobKind[Q, R], record: JobRecord[Q, R]) -> Callable[[Connection], None]:
-        """Return what writes the row of a job. Raises as the library for a log that is gone."""
+        """Return a function that writes the row of a job. Raises like the library for a deleted log."""
         log, error = self._log(record.owner, record.log_id), record.error
         key = {"kind": kind.name, "owner": record.owner, "log_id": record.log_id}
 

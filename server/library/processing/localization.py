@@ -1,7 +1,7 @@
-"""Localization as a kind of jobs on logs: what it makes is one more trajectory of the log, in the frame of a map.
+"""Localization as a kind of job on logs. Its result is one more trajectory of the log, in the frame of a map.
 
-The worker process writes files: how far it is with the poses and the particles so far while it runs, the trajectory and
-the states of the filter in the end.
+The worker process writes files: while it runs, its progress with the poses and the particles so far, and at the end the
+trajectory and the filter states.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
 
 EVERY_S = 0.4  #: seconds between two reports
-MOST_SHOWN = 2000  #: particles of a report
-KEPT_OF_SCAN = 250  #: particles of a scan in the file
+MOST_SHOWN = 2000  #: particles in a report
+KEPT_OF_SCAN = 250  #: particles of a scan stored in the file
 
 #: Endings of the files, after the job's ``out``.
 TUM, FILTER_STATES = ".tum", ".course"
@@ -45,10 +45,10 @@ TUM, FILTER_STATES = ".tum", ".course"
 
 @dataclass(frozen=True, slots=True)
 class LocalizeOutcome:
-    """Result of localization; ``first_converged`` is None where the filter never converged.
+    """Result of localization; ``first_converged`` is None if the filter never converged.
 
-    ``sure`` is the number of scans at which other places in the map were ruled out, ``is_sure`` that of the last scan,
-    ``left_out`` that of scans whose pose is not known, which no map has.
+    ``sure`` is the number of scans at which other places in the map were ruled out, ``is_sure`` says whether that holds
+    for the last scan, ``left_out`` is the number of scans with unknown poses, which maps omit.
     """
 
     map_title: str
@@ -66,10 +66,10 @@ class LocalizeOutcome:
 
 @dataclass(frozen=True, slots=True)
 class LocalizeJob(BoundedJob[LocalizeOutcome]):
-    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
+    """Localize the log in ``pack`` with the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
 
     ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
-    ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
+    ``parameters`` are those that differ from the defaults. ``mapping`` are parameters of the log's own map, whose mount
     and time offset are used.
     """
 
@@ -87,7 +87,7 @@ class LocalizeJob(BoundedJob[LocalizeOutcome]):
     limits: JobLimits
 
     def compute(self) -> LocalizeOutcome:
-        """Return the result. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used."""
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for an unsuitable log or map."""
         from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415
         from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
 
@@ -125,9 +125,8 @@ class LocalizeJob(BoundedJob[LocalizeOutcome]):
 class LocalizeProgress:
     """The poses (k, 3), ``T_map_base``, of the first k scans while the job runs, and the filter after the last of them.
 
-    ``converged`` (k,) tells after which of them it had. ``particles`` (m, 4) are x, y, yaw and weight, the greatest 1;
-    ``covariance`` (3, 3); the rest as
-    :class:`mapper.localization.Estimate` has it.
+    ``converged`` (k,) says after which of them it had converged. ``particles`` (m, 4) are x, y, yaw and weight, the
+    greatest 1; ``covariance`` is (3, 3); the other fields are those of :class:`mapper.localization.Estimate`.
     """
 
     fraction: float
@@ -145,13 +144,13 @@ class LocalizeProgress:
 
     @property
     def stage(self) -> str:
-        """What is done now: there is one stage."""
+        """Current stage; there is only one."""
         return "localization"
 
 
 @dataclass(slots=True)
 class _Watch:
-    """Keeps a sample of the particles of each scan that is used, and reports every :data:`EVERY_S`."""
+    """Stores a sample of the particles of each used scan, and reports every :data:`EVERY_S`."""
 
     out: str
     n_scans: int
@@ -191,7 +190,7 @@ NAME = "localized"  #: of the trajectory
 
 @dataclass(frozen=True, slots=True)
 class LocalizationParameters:
-    """``values`` that differ from the first ones; ``initial_pose`` is in the map, x, y (m) and yaw, None: anywhere."""
+    """``values`` that differ from the defaults; ``initial_pose`` is in the map, x, y (m) and yaw, None: anywhere."""
 
     values: Parameters = field(default_factory=dict)
     initial_pose: tuple[float, float, float] | None = None
@@ -199,21 +198,21 @@ class LocalizationParameters:
 
 @dataclass(frozen=True, slots=True)
 class LocalizationRequest(PoseRequest):
-    """Localization of a log in the map that its visitor chose."""
+    """Localization of a log in the map chosen by its visitor."""
 
     parameters: LocalizationParameters = field(default_factory=LocalizationParameters)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocalizationResult(LocalizeOutcome):
-    """What localization has made of a log: ``trajectory`` is its name."""
+    """Result of localizing a log: ``trajectory`` is the name of the new one."""
 
     trajectory: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocalizationStatus(JobStatus):
-    """State of the localization of a log: how many scans have poses, and whether the filter has converged."""
+    """State of the localization of a log: the number of scans with poses, and whether the filter has converged."""
 
     log: str
     topic: str | None
@@ -226,7 +225,7 @@ class LocalizationStatus(JobStatus):
 
 
 class LocalizationKind:
-    """Localization of logs in the maps that their visitors chose: a :class:`LogJobKind`."""
+    """Localization of logs in the maps chosen by their visitors: a :class:`LogJobKind`."""
 
     jobs = JobKind("localization", "Localization", "localization job", LocalizationRequest, LocalizationResult)
 
@@ -234,14 +233,14 @@ class LocalizationKind:
         self._maps = maps
 
     def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs
-        """Return a request with the values that differ from the first ones."""
+        """Return a request with the values that differ from the defaults."""
         request.check()
         parameters, first = request.parameters, localization.LocalizationConfig()
         values = changed_values(first.with_values(parameters.values), first)
         return replace(request, parameters=replace(parameters, values=values))
 
     def others(self, request: LocalizationRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
-        """Return no log: the map is a file of its own."""
+        """Return no log, because the map is a separate file."""
         return ()
 
     def status(
@@ -264,9 +263,9 @@ class LocalizationKind:
         )
 
     async def run(self, run: Run[LocalizationRequest, LocalizeProgress]) -> LocalizationResult:
-        """Localize a log, and add the poses in the map to it with the states of the filter.
+        """Localize a log, and add the poses in the map to it with the filter states.
 
-        Raises :class:`ConfigError` where no map was chosen.
+        Raises :class:`ConfigError` if no map was chosen.
         """
         request = run.request
         log = await run.load(run.log_id, request.topic, request.cut, request.trajectory)

@@ -1,7 +1,7 @@
-"""Jobs that visitors begin on logs and that add trajectories to them: SLAM, localization, merging.
+"""Jobs that visitors start on logs and that add trajectories to them: SLAM, localization, merging.
 
-A :class:`LogJobKind` says what differs; the rest is the same for all: a queue, a folder and a process for each job, and
-what is told of it. All methods run on the event loop; what is computed runs in a worker process.
+A :class:`LogJobKind` defines the differences; the rest is the same for all: a queue, a folder and a process for each
+job, and its reports. All methods run on the event loop; computations run in a worker process.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 Parameters = dict[str, bool | int | float | str]
-"""Values of parameters by their names: those that differ from the first values."""
+"""Values of parameters by name, those that differ from the defaults."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,16 +63,16 @@ class Logs(Protocol):
 
     @property
     def trajectories(self) -> Trajectories:
-        """The trajectories that are added to logs."""
+        """The added trajectories of logs."""
 
 
 @dataclass(frozen=True, slots=True)
 class PoseRequest:
-    """Poses of a log that are to be made from those of ``trajectory`` (None: the method's own choice).
+    """New poses of a log to compute from those of ``trajectory`` (None: the method's own choice).
 
-    ``topic`` names the log's sensor, ``cut`` says how the scans are cut out of clouds and depth images (None: as by
-    default), ``mapping`` are parameters of the map that the poses are for (None: as by default): the job uses its mount
-    and its time offset.
+    ``topic`` names the log's sensor, ``cut`` has the options for cutting scans out of clouds and depth images (None:
+    the defaults), ``mapping`` are parameters of the map for which the poses are computed (None: the defaults); the job
+    uses its mount and its time offset.
     """
 
     topic: str | None = None
@@ -81,7 +81,7 @@ class PoseRequest:
     mapping: Parameters | None = None
 
     def check(self) -> None:
-        """Raise :class:`mapper.core.errors.ConfigError` for an invalid cut, and a parameter that is refused."""
+        """Raise :class:`mapper.core.errors.ConfigError` for an invalid cut or parameter."""
         PlanarCut.of(self.cut or {})
         MappingConfig().with_values(self.mapping or {})
 
@@ -91,14 +91,14 @@ class Report(Protocol):
 
     @property
     def fraction(self) -> float:
-        """Share that is done, from 0 to 1."""
+        """Completed share, from 0 to 1."""
 
     @property
     def stage(self) -> str:
-        """What is done now."""
+        """Current stage."""
 
 
-PROGRESS = ".progress"  #: ending of the file of the report, after the job's ``out``
+PROGRESS = ".progress"  #: ending of the report's file, after the job's ``out``
 
 Q = TypeVar("Q")
 D = TypeVar("D", bound="DataclassInstance")
@@ -117,7 +117,7 @@ def write_report(out: str, report: DataclassInstance) -> None:
 
 
 def read_report(out: Path, kind: type[D]) -> D | None:
-    """Return what a running job has reported last, a dataclass ``kind``; None before the first report."""
+    """Return the last report of a running job, a dataclass ``kind``; None before the first report."""
     try:
         with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
             values = {row.name: arrays[row.name] for row in fields(kind)}
@@ -128,7 +128,7 @@ def read_report(out: Path, kind: type[D]) -> D | None:
 
 @dataclass(slots=True)
 class Run(Generic[Q, P]):
-    """A job while it is done: what was requested, a folder for its files that worker processes see, and the library."""
+    """A running job: its request, a folder for its files that worker processes see, and the library."""
 
     owner: str
     log_id: str
@@ -136,7 +136,7 @@ class Run(Generic[Q, P]):
     folder: Path
     logs: Logs
     worker: Worker
-    code: str  #: of the error where the process was ended
+    code: str  #: of the error if the process was killed
     running: Running[P]
     limits: JobLimits = field(default_factory=JobLimits)
 
@@ -148,7 +148,7 @@ class Run(Generic[Q, P]):
     async def load(
         self, log_id: str, topic: str | None, cut: dict[str, float] | None, trajectory: str | None = None
     ) -> ScanLog:
-        """Return a log that has a ``trajectory``. Raises as the library, and where it has not."""
+        """Return a log that has a ``trajectory``. Raises like the library, and if the log does not have it."""
         log = await self.logs.load(self.owner, log_id, topic, PlanarCut.of(cut or {}))
         if trajectory is not None:
             log.trajectory(trajectory)
@@ -161,9 +161,9 @@ class Run(Generic[Q, P]):
         return str(path)
 
     async def follow(self, job: BoundedJob[T], newest: Callable[[Path], P | None]) -> T:
-        """Do a job in the worker process, and tell how far it is.
+        """Do a job in the worker process, and report its progress.
 
-        ``newest`` returns what it has reported last, from the files at a path.
+        ``newest`` returns its last report, from the files at a path.
         """
 
         async def look() -> None:
@@ -184,7 +184,7 @@ class Run(Generic[Q, P]):
         await self.logs.trajectories.put(self.owner, self.logs.get(self.owner, log_id), log, new)
 
     def own_name(self, log: ScanLog, name: str, other: str) -> str:
-        """Return the name of a trajectory to add: ``name``, or ``other`` where the log itself has one of that name."""
+        """Return the name of a trajectory to add: ``name``, or ``other`` if the log itself has one of that name."""
         added = {trajectory.name for trajectory in self.logs.trajectories.of(self.owner, self.log_id)}
         return other if name in log.trajectories and name not in added else name
 
@@ -195,20 +195,20 @@ class LogJobKind(Protocol[Q, P, R, S_co]):
     jobs: JobKind[Q, R]
 
     def checked(self, log_id: str, request: Q) -> Q:
-        """Return a request as it is kept (worker thread). Raises :class:`mapper.core.errors.ConfigError`."""
+        """Return a request as stored (worker thread). Raises :class:`mapper.core.errors.ConfigError`."""
 
     def others(self, request: Q) -> tuple[str, ...]:
         """Return the logs that a job uses besides its own."""
 
     def status(self, record: JobRecord[Q, R], status: JobStatus, newest: P | None) -> S_co:
-        """Return what the HTTP interface shows of a job; ``newest`` is its last report."""
+        """Return the answer of the HTTP interface about a job; ``newest`` is its last report."""
 
     async def run(self, run: Run[Q, P]) -> R:
         """Do a job, and return its result."""
 
 
 class LogJobs(Generic[Q, P, R, S]):
-    """All jobs of one kind; ``folder`` is one for their files that worker processes see."""
+    """All jobs of one kind; ``folder`` is for their files, and is seen by worker processes."""
 
     def __init__(
         self,
@@ -226,7 +226,7 @@ class LogJobs(Generic[Q, P, R, S]):
         self.follow = self._queue.follow
 
     async def start(self) -> None:
-        """Load the records, and begin again what an earlier run of the service did not finish.
+        """Load the records, and restart what an earlier run of the service did not finish.
 
         Raises :class:`StorageError`.
         """
@@ -234,7 +234,7 @@ class LogJobs(Generic[Q, P, R, S]):
         await self._queue.start()
 
     async def close(self) -> None:
-        """End the running job, which the next start begins again, and the process."""
+        """End the running job, which the next start of the service restarts, and the process."""
         await self._queue.close()
         if self._worker is not None:
             await asyncio.to_thread(self._worker.close)
@@ -242,8 +242,8 @@ class LogJobs(Generic[Q, P, R, S]):
     async def begin(self, owner: str, log_id: str, request: Q | None = None) -> S:
         """Queue a job on a log, and return its state; see :meth:`JobQueue.ask`.
 
-        Raises :class:`mapper.core.errors.ConfigError` for what is refused, :class:`LimitError` for one job too many,
-        and as the library for logs that the owner may not open.
+        Raises :class:`mapper.core.errors.ConfigError` for an invalid request, :class:`LimitError` for too many jobs,
+        and like the library for logs that the owner may not open.
         """
         kind = self._kind
         checked = await asyncio.to_thread(kind.checked, log_id, request or kind.jobs.request())
@@ -253,7 +253,7 @@ class LogJobs(Generic[Q, P, R, S]):
         return self.state(owner, log_id)
 
     def state(self, owner: str, log_id: str) -> S:
-        """Return what the HTTP interface shows of the newest job; its state is "none" where there was none."""
+        """Return the answer of the HTTP interface about the newest job; its state is "none" if there was none."""
         self._logs.get(owner, log_id)
         key = (owner, log_id)
         running = self._queue.running.get(key)
@@ -265,7 +265,7 @@ class LogJobs(Generic[Q, P, R, S]):
         return self._queue.record((owner, log_id)).is_unfinished
 
     def result(self, owner: str, log_id: str) -> R | None:
-        """Return the result of the newest job on a log, None where it is not done."""
+        """Return the result of the newest job on a log, None if it is not done."""
         return self._queue.record((owner, log_id)).result
 
     async def cancel(self, owner: str, log_id: str) -> S:
@@ -275,14 +275,14 @@ class LogJobs(Generic[Q, P, R, S]):
         return self.state(owner, log_id)
 
     def listen(self, owner: str, log_id: str, listener: Callable[[P | None], None]) -> Callable[[], None]:
-        """Tell ``listener`` of a job that is queued or runs, and return a function that ends that.
+        """Call ``listener`` with the reports of a queued or running job, and return a function that ends that.
 
-        Where there is none it is told the end at once.
+        If there is no such job, the end is reported at once.
         """
         return self._queue.listen((owner, log_id), listener)
 
     async def forget_log(self, log_id: str) -> None:
-        """Stop the jobs that use a log that was deleted, and forget those on it."""
+        """Stop the jobs that use a deleted log, and remove those on it."""
         await self._queue.forget_log(log_id)
         for key, record in [*self._queue.records.items()]:
             if log_id in self._kind.others(record.request):
@@ -303,7 +303,7 @@ AnyLogJobs = LogJobs[Any, Any, Any, Any]
 
 
 def emptied(folder: Path) -> None:
-    """Make a private folder with nothing in it. Raises :class:`StorageError`."""
+    """Create an empty private folder. Raises :class:`StorageError`."""
     shutil.rmtree(folder, ignore_errors=True)
     private_folder(folder)
 

@@ -1,4 +1,4 @@
-"""What is found out about recordings in a process with limits: one at a time, with progress, and kept in memory."""
+"""Reads data from recordings in a process with limits: one at a time, with progress, cached in memory."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from server.library.processing.recording_worker import RecordingWorker
 
 T = TypeVar("T")
 
-IDLE_S = 20.0  #: what no request asks for during this time ends
-MOST_KEPT = 4  #: results that are kept in memory
+IDLE_S = 20.0  #: a job that no request asks for during this time ends
+MOST_KEPT = 4  #: number of results cached in memory
 
 
 @dataclass(slots=True)
 class _Running(Generic[T]):
     task: asyncio.Task[T | None]
     timer: asyncio.TimerHandle
-    visitor: str  #: who began it
+    visitor: str  #: the one who started it
 
 
 class Lookups(Generic[T]):
@@ -31,7 +31,7 @@ class Lookups(Generic[T]):
     def __init__(self, catalogue: Catalogue, memory_bytes: int) -> None:
         self._worker = RecordingWorker(catalogue, memory_bytes)
         self._running: dict[str, _Running[T]] = {}
-        self._at_work = ""  #: the key whose turn it is
+        self._at_work = ""  #: the key being processed
         self._kept: dict[str, T] = {}
 
     async def look_up(
@@ -43,10 +43,10 @@ class Lookups(Generic[T]):
         job: Callable[[str], BoundedJob[T | None]],
         stored: Callable[[], Awaitable[T | None]] | None = None,
     ) -> T | float:
-        """Return the result for a key; where it is not known yet begin to find it out, and return how far that is.
+        """Return the result for a key; if it is unknown, start computing it, and return the completed share.
 
-        ``job`` makes the job of the recording's path; ``stored`` is a result from before, or None, as is that of a job
-        that stores it. The job ends when no request asks for it. Raises what it raised, once.
+        ``job`` creates the job from the recording's path. ``stored`` returns an earlier result, or None; a job that
+        stores its result returns None too. The job ends when no request asks for it. Raises its error, once.
         """
         running = self._running.get(key)
         if running is None:
@@ -69,9 +69,9 @@ class Lookups(Generic[T]):
         return self._worker.progress if self._at_work == key else 0.0
 
     def cancel(self, key: str, visitor: str) -> None:
-        """End what ``visitor`` began to find out, if it is under way; the next request begins it again.
+        """End the running job that ``visitor`` started; the next request starts it again.
 
-        Another visitor's goes on: it ends when no request asks for it.
+        Another visitor's job continues until no request asks for it.
         """
         running = self._running.get(key)
         if running is not None and running.visitor == visitor:
@@ -111,7 +111,7 @@ class Lookups(Generic[T]):
                 self._at_work = ""
 
     async def close(self) -> None:
-        """End what runs, and the process."""
+        """End running jobs, and the process."""
         for running in self._running.values():
             running.timer.cancel()
             running.task.cancel()

@@ -1,7 +1,7 @@
-"""Merging as a kind of jobs on logs: two logs of one place are brought into one frame.
+"""Merging as a kind of job on logs: two logs of one place are transformed into one frame.
 
-What a job makes is a trajectory of each of the two logs, and one more log with the scans of both. The worker process
-writes a TUM file for each.
+The result of a job is a trajectory for each of the two logs, and one more log with the scans of both. The worker
+process writes a TUM file for each.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from server.library.processing.slam import NAME as SLAM
 
 NAME = "merged"  #: of the trajectories
 ENDINGS = (".first.tum", ".second.tum")  #: of the files, after the job's ``out``
-BOTH, GRAPH = ".both.tum", ".graph"  #: the poses of the log of both, and the pose graph that they come from
-LOG, STAGE = ".mcap", ".stage"  #: the scans of both as one log; what is done now
+BOTH, GRAPH = ".both.tum", ".graph"  #: the poses of the combined log, and their pose graph
+LOG, STAGE = ".mcap", ".stage"  #: the combined log; the current stage
 
 
 @dataclass(frozen=True, slots=True)
 class MergeOutcome:
-    """Result of the merge of two logs: ``loops`` between them of ``tried``, and ``score``, 0 … 1, of their maps' match.
+    """Result of merging two logs: ``loops`` between them of ``tried``, and the ``score``, 0 to 1, of their maps' match.
 
-    ``topic`` names the sensors of the log of both, None where they are one. ``note`` says whether the clock of one log
-    was set there; it is empty where it was not.
+    ``topic`` names the sensors of the combined log, None if there is only one. ``note`` says whether the clock of one
+    log was corrected in it; empty if not.
     """
 
     loops: int
@@ -63,7 +63,7 @@ class MergeJob(BoundedJob[MergeOutcome]):
     limits: JobLimits
 
     def compute(self) -> MergeOutcome:
-        """Return the result. Raises :class:`mapper.core.errors.MapperError` for logs that do not show one place."""
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for logs of different places."""
         from mapper.slam.merged_log import merged_log  # noqa: PLC0415
         from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
@@ -99,16 +99,16 @@ class MergeJob(BoundedJob[MergeOutcome]):
 
 # -- the kind of jobs -------------------------------------------------------------------------------------------------
 
-PIECE = 1 << 20  #: bytes of the merged log that are stored at once
+PIECE = 1 << 20  #: bytes of the merged log stored at once
 
 
 @dataclass(frozen=True, slots=True)
 class MergeRequest:
     """A merge of a log with the log ``other``. ``topic`` and ``other_topic`` name their sensors.
 
-    ``cut`` and ``other_cut`` say how the scans of each are cut out of clouds and depth images (None: as by default),
-    ``mapping`` and ``other_mapping`` are parameters of the map of each, whose mount and time offset the merge uses
-    (None: as by default).
+    ``cut`` and ``other_cut`` have the options for cutting scans out of clouds and depth images of each (None: the
+    defaults), ``mapping`` and ``other_mapping`` are parameters of the map of each, whose mount and time offset the
+    merge uses (None: the defaults).
     """
 
     other: str = ""
@@ -122,7 +122,7 @@ class MergeRequest:
 
 @dataclass(frozen=True, slots=True)
 class MergeReport:
-    """How far a merge is, and what is done now."""
+    """Progress of a merge, and its current stage."""
 
     fraction: float
     stage: str
@@ -130,7 +130,7 @@ class MergeReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MergeResult(MergeOutcome):
-    """What a merge has made: ``trajectory`` of both logs, and the log of both, its id and its name."""
+    """Result of a merge: ``trajectory`` of both logs, and the id and the name of the combined log."""
 
     trajectory: str
     log: str
@@ -152,7 +152,7 @@ class MergeKind:
     jobs = JobKind("merge", "Merging", "merge", MergeRequest, MergeResult, most_of_owner=1, most=20, joins=False)
 
     def checked(self, log_id: str, request: MergeRequest) -> MergeRequest:
-        """Return a request with valid cuts and parameters. Raises :class:`ConfigError` for a log with itself."""
+        """Return a request with valid cuts and parameters. Raises :class:`ConfigError` if both logs are the same."""
         if request.other == log_id:
             raise ConfigError("merge.same", "This is the same log: choose another one to merge it with.")
         for cut in (request.cut, request.other_cut):
@@ -177,7 +177,7 @@ class MergeKind:
         )
 
     async def run(self, run: Run[MergeRequest, MergeReport]) -> MergeResult:
-        """Merge two logs, add a trajectory to each, and store a log of both."""
+        """Merge two logs, add a trajectory to each, and store the combined log."""
         request, ids = run.request, (run.log_id, run.request.other)
         first = await run.load(run.log_id, request.topic, request.cut)
         second = await run.load(ids[1], request.other_topic, request.other_cut)
@@ -206,7 +206,7 @@ def _as_mapped(log: ScanLog, mapping: Parameters | None) -> ScanLog:
 
 
 def _name_of_both(names: list[str]) -> str:
-    """Return the name of the log of both, with at most 60 characters of each."""
+    """Return the name of the combined log, with at most 60 characters of each."""
     first, second = (name.split(".", 1)[0][:60] or "log" for name in names)
     return f"{first} and {second}, merged.mcap"
 
@@ -218,7 +218,7 @@ async def _pieces(path: Path) -> AsyncIterator[bytes]:
 
 
 def _report(out: Path, fraction: float) -> MergeReport | None:
-    """Return what a running job has reported last; None before the first report."""
+    """Return the last report of a running job; None before the first report."""
     try:
         return MergeReport(fraction, out.with_name(out.name + STAGE).read_text(encoding="ascii"))
     except OSError:

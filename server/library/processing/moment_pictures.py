@@ -1,4 +1,4 @@
-"""Pictures and trees of messages in recordings, decoded in a process with limits: what is decoded, others wrote."""
+"""Pictures and fields of recorded messages, decoded in a process with limits because the data is untrusted."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
 TIMEOUT_S = 60.0  #: of one picture, and of processor time
-BYTES_PER_S = 20e6  #: and a second more for this number of bytes: a recording without an index is read up to the moment
+BYTES_PER_S = 20e6  #: one more second per this number of bytes; a recording without an index is read up to the moment
 MEMORY_BYTES = 3 << 30  #: address space of the process
 
 
@@ -34,7 +34,7 @@ class MomentPicture:
 
 @dataclass(frozen=True, slots=True)
 class _MomentJob(BoundedJob[T_co]):
-    """A job on the newest message of ``topic`` in ``source`` at or before ``at_ns``, time of recording."""
+    """A job on the newest message of ``topic`` in ``source`` at or before ``at_ns``, by recording time."""
 
     source: str
     topic: str
@@ -44,11 +44,11 @@ class _MomentJob(BoundedJob[T_co]):
 
 @dataclass(frozen=True, slots=True)
 class PictureJob(_MomentJob[MomentPicture]):
-    """Make a picture of such a message."""
+    """Create a picture of such a message."""
 
     def compute(self) -> MomentPicture:
         """Return the picture. Raises :class:`ReadError` or :class:`LimitError`."""
-        # Only the process that decodes needs the readers and the decoders.
+        # Only the decoding process needs the readers and the decoders.
         from mapper.io.contents.pictures import picture_of  # noqa: PLC0415
         from mapper.io.contents.seeking import message_at  # noqa: PLC0415
 
@@ -68,7 +68,7 @@ class MessageJob(_MomentJob["RawMessage"]):
 
 
 class MomentPictures:
-    """Makes one picture or tree at a time, of waiting addresses and visitors in rotation.
+    """Computes one picture or message at a time, for waiting addresses and visitors in rotation.
 
     Used from the event loop only.
     """
@@ -79,14 +79,14 @@ class MomentPictures:
     async def picture(
         self, record: Record, visitor: str, topic: str, at_ns: int, *, address: str = ""
     ) -> MomentPicture:
-        """Return a picture of the newest message of ``topic`` at or before ``at_ns``; of the first one before that.
+        """Return a picture of the newest message of ``topic`` at or before ``at_ns``, otherwise of the first one.
 
-        Its process is ended when this is cancelled. Raises what it raised.
+        Its process is ended when this is cancelled. Raises the job's errors.
         """
         return await self._done(PictureJob, record, visitor, topic, at_ns, address)
 
     async def message(self, record: Record, visitor: str, topic: str, at_ns: int, *, address: str = "") -> RawMessage:
-        """Return the newest message of ``topic`` at or before ``at_ns``, as :meth:`picture` does."""
+        """Return the newest message of ``topic`` at or before ``at_ns``, like :meth:`picture`."""
         return await self._done(MessageJob, record, visitor, topic, at_ns, address)
 
     async def _done(

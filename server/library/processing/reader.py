@@ -1,6 +1,6 @@
-"""Reads logs in workers, small ones and large ones: one at a time in each, owners in rotation, with a deadline.
+"""Reads logs in workers for small and large ones: one at a time in each, owners in rotation, with a deadline.
 
-A process that dies is an error of the log that it read.
+If a process dies, the log that it read counts as unreadable.
 """
 
 from __future__ import annotations
@@ -27,28 +27,28 @@ from server.library.logs.records import Record
 from server.library.processing.reading import Job
 from server.work.fair_lock import FairLock
 
-LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, a second for this number of bytes
-LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
+LEAST_BYTES_PER_S = 20_000_000  #: of a file; a large one gets one more second per this number of bytes
+LEAST_BYTES_PER_CPU_S = 50_000_000  #: likewise for processor time
 
-SMALL_BYTES = 4_000_000  #: of a file that is read in seconds: it does not wait for a large one
-QUICK_S = 2.0  #: of processor time, after which a small file that keeps others waiting is read where large ones are
+SMALL_BYTES = 4_000_000  #: size of a file that is read in seconds, and does not wait for a large one
+QUICK_S = 2.0  #: processor time after which a small file that keeps others waiting is read with the large ones
 
 T = TypeVar("T")
 
 
 class SlowReadingError(MapperError):
-    """The reading was ended because it keeps others waiting in the place of the files that are read quickly."""
+    """The reading was ended because it keeps others waiting in the place for quick files."""
 
 
 class Reader:
-    """Has logs read by ``worker``, a process of this machine where it is left out. Used from the event loop only.
+    """Has logs read by ``worker``, by default a process of this machine. Used from the event loop only.
 
-    One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file. What reading
-    writes meanwhile, as unpacked archives, is in a folder of the log's own below ``scratch``, which is removed when the
-    job ends, also when its process was killed; without ``scratch`` it is in the system's folder.
+    One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file. Temporary files,
+    such as unpacked archives, are in the log's own folder below ``scratch``, which is removed when the job ends, even
+    if its process was killed; without ``scratch`` they are in the system's folder.
 
-    Others wait for one that may be read elsewhere until it has had ``quick_s`` seconds of processor time; elapsed time
-    would be long for any log where the machine is busy. On systems other than Linux they wait for its end.
+    A log that may be read elsewhere keeps others waiting until it has used ``quick_s`` seconds of processor time;
+    elapsed time would be long for any log on a busy machine. On systems other than Linux the others wait for its end.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class Reader:
     ) -> None:
         self._scratch = scratch
         self._quick_s = quick_s
-        self._owner = ""  #: who has the turn
+        self._owner = ""  #: the owner of the turn
         self._before = (0, 0.0)  #: the process, and its processor time before it was given the log
         self._timeout_s = timeout_s
         self._cpu_s = min(cpu_s, timeout_s)
@@ -75,19 +75,19 @@ class Reader:
 
     @property
     def progress(self) -> float:
-        """Progress of the log that is being read, from 0 to 1."""
+        """Progress of the log being read, from 0 to 1."""
         return self._worker.progress if self._has_begun else 0.0
 
     @property
     def worker_pid(self) -> int:
-        """The process that reads, 0 before there is one."""
+        """Id of the reading process, 0 before it exists."""
         return self._worker.pid
 
     @asynccontextmanager
     async def turn(self, owner: str) -> AsyncIterator[None]:
-        """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
+        """Wait until a log of ``owner`` may be read, and hold the turn, which is required for calling :meth:`read`."""
         async with self._turns.of(owner):
-            # The log counts as being read from here on: what the worker tells is still of the one before.
+            # The log counts as being read from here on; the worker's progress is still that of the previous one.
             self._began, self._has_begun, self._owner = time.monotonic(), False, owner
             yield
 
@@ -104,11 +104,8 @@ class Reader:
     ) -> LogSummary:
         """Have ``source`` read, packed into ``pack`` and drawn into ``picture`` if they are given.
 
-        With ``volume`` its clouds are, for a map in 3D, and not its scans.
-
-        The caller holds :meth:`turn`.
-
-        Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long, and
+        With ``volume``, its clouds are read for a 3D map instead of its scans. The caller holds :meth:`turn`. Raises
+        :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long, and
         :class:`SlowReadingError` for a log that may be read ``elsewhere``.
         """
         target = None if pack is None else str(pack)
@@ -142,12 +139,12 @@ class Reader:
 
     @property
     def elapsed_s(self) -> float:
-        """Seconds since the turn of the log that is being read began."""
+        """Seconds since the turn of the log being read began."""
         return time.monotonic() - self._began
 
     @property
     def cpu_s(self) -> float:
-        """Processor time of the log that is being read, seconds; 0 where it is not known."""
+        """Processor time of the log being read, seconds; 0 if unknown."""
         pid, before = self._before
         return _cpu_s_of(self.worker_pid) - (before if pid == self.worker_pid else 0.0)
 
@@ -158,10 +155,10 @@ class Reader:
 
 @dataclass(frozen=True, slots=True)
 class Readers:
-    """The two places in which logs are read: files up to :data:`SMALL_BYTES` have one of their own.
+    """The two places in which logs are read; one of them is for files up to :data:`SMALL_BYTES`.
 
-    So a small log is not kept waiting by large ones of other visitors, each of which may take minutes, nor by ``slow``
-    ones: these are small files, by the id of the log, that were found to take as long as large ones.
+    A small log therefore does not wait for other visitors' large ones, which may take minutes each, nor for ``slow``
+    ones: small files, by the id of the log, that took as long as large ones.
     """
 
     small: Reader
@@ -179,7 +176,7 @@ class Readers:
 
 
 def _cpu_s_of(pid: int) -> float:
-    """Return the processor time of a process, seconds; 0 where it is not known."""
+    """Return the processor time of a process, seconds; 0 if unknown."""
     try:
         fields = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
     except OSError:
@@ -188,7 +185,7 @@ def _cpu_s_of(pid: int) -> float:
 
 
 def _size_of(source: Path) -> int:
-    """Return the bytes of a log, a file or those of a folder; 0 where it is unknown."""
+    """Return the bytes of a file or of the files in a folder; 0 if unknown."""
     try:
         files = source.iterdir() if source.is_dir() else [source]
         return sum(file.stat().st_size for file in files)

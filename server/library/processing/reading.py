@@ -1,4 +1,4 @@
-"""Reading a log in the process of a job: what the file holds, its pack and its picture."""
+"""Reading a log in a job process: the contents of the file, its pack and its picture."""
 
 from __future__ import annotations
 
@@ -30,18 +30,16 @@ class Job(BoundedJob[LogSummary]):
     pack: str | None
     topic: str | None
     limits: JobLimits
-    cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
+    cut: PlanarCut | None = None  #: options for cutting scans out of clouds and depth images; None: the defaults
     picture: str | None = None
-    volume: bool = False  #: whether the clouds are read for a map in 3D, and not the scans
-    folder: str | None = None  #: where temporary files are written; None: in the system's folder
+    volume: bool = False  #: whether the clouds are read for a 3D map instead of the scans
+    folder: str | None = None  #: folder for temporary files; None: the system's folder
 
     def compute(self) -> LogSummary:
-        """Return what the log holds. Raises :class:`ReadError` or :class:`LimitError`."""
+        """Return the contents of the log. Raises :class:`ReadError` or :class:`LimitError`."""
         from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
 
-        tempfile.tempdir = (
-            self.folder
-        )  # of this process, which only reads; readers of packed databases write there, too
+        tempfile.tempdir = self.folder  # of this process, which only reads; readers of packed databases write there too
         if self.volume:
             return _read_volume(self)
         if self.topic is None and is_map(Path(self.source)):
@@ -55,12 +53,12 @@ class Job(BoundedJob[LogSummary]):
             if error.code != "log.no_scans" or self.topic is not None:
                 raise
             return _read_others(self, error)
-        note_progress(1.0)  # a cancelled self ends here and leaves no pack
+        note_progress(1.0)  # a cancelled job ends here and leaves no pack
         _pack(self, lambda path: write_pack(log, path))
         if self.picture is not None:
             from server.library.packs.picture import write_picture  # noqa: PLC0415 - Pillow is loaded only for pictures
 
-            with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
+            with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can still be opened
                 write_picture(log.first, Path(self.picture))
         return summarise(log.first)
 
@@ -72,7 +70,7 @@ def _holds_volume(job: Job) -> bool:
 
 
 def _read_volume(job: Job) -> LogSummary:
-    """Read what a map in 3D is made of."""
+    """Read the source of a 3D map."""
     from server.library.packs.volume_files import read_volume, store_volume, summarise_volume  # noqa: PLC0415
 
     source = Path(job.source)
@@ -86,7 +84,7 @@ def _read_volume(job: Job) -> LogSummary:
 
 
 def _read_others(job: Job, no_scans: ReadError) -> LogSummary:
-    """Read the clouds or costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them."""
+    """Read the clouds or costmaps of a recording without scans; raise ``no_scans`` if it has neither."""
     try:
         return _read_volume(job)
     except ReadError as error:
@@ -96,7 +94,7 @@ def _read_others(job: Job, no_scans: ReadError) -> LogSummary:
 
 
 def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:
-    """Read the costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them either."""
+    """Read the costmaps of a recording without scans; raise ``no_scans`` if it has none."""
     from mapper.io.costmaps import open_costmaps  # noqa: PLC0415 - few logs have them
 
     try:
@@ -121,7 +119,7 @@ def _read_map(job: Job) -> LogSummary:
 
 
 def _pack(job: Job, write: Callable[[Path], None]) -> None:
-    """Write the pack of a job that has one. Raises :class:`LimitError` where there is no room for it."""
+    """Write the pack of a job that has one. Raises :class:`LimitError` if there is no room for it."""
     if job.pack is not None:
         try:
             write(Path(job.pack))
@@ -131,7 +129,7 @@ def _pack(job: Job, write: Callable[[Path], None]) -> None:
 
 
 def _draw(job: Job, codes: Callable[[], UInt8Array]) -> None:
-    """Draw the picture of a job that has one; what it shows can be opened without it as well."""
+    """Draw the picture of a job that has one; the log can be opened without it."""
     if job.picture is not None:
         from server.library.packs.picture import write_codes  # noqa: PLC0415 - Pillow is loaded only for pictures
 

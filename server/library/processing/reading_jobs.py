@@ -1,4 +1,4 @@
-"""The jobs that read logs: queued, one at a time, each with its own end. All methods run on the event loop."""
+"""The jobs that read logs: queued, one at a time, each independent. All methods run on the event loop."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from server.storage import StorageError
 
 _log = structlog.get_logger(__name__)
 
-RETRY_S, MOST_RETRY_S = 30.0, 1800.0  #: until a reading is repeated that the disk had no room for: first, at most
+RETRY_S, MOST_RETRY_S = 30.0, 1800.0  #: first and longest pause before repeating a reading that had no disk space
 MOST_ATTEMPTS = 3  #: readings of one log that the end of the service may interrupt
 
 
 class Jobs:
-    """The logs that are queued for ``readers`` or being read; ``room`` returns how many more bytes are allowed."""
+    """The logs queued for ``readers`` or being read; ``room`` returns the number of further bytes allowed."""
 
     def __init__(self, catalogue: Catalogue, readers: Readers, room: Callable[[], int], leases: Leases) -> None:
         self._leases = leases
@@ -35,19 +35,19 @@ class Jobs:
         self._readers = readers
         self._room = room
         self._jobs: dict[str, asyncio.Task[None]] = {}
-        self._retries: dict[str, tuple[float, asyncio.TimerHandle]] = {}  #: by log, with the pause before it, seconds
+        self._retries: dict[str, tuple[float, asyncio.TimerHandle]] = {}  #: by log, with the preceding pause, seconds
 
     @property
     def busy(self) -> Sequence[str]:
-        """The ids of the logs that are queued or being read."""
+        """The ids of the queued logs and of those being read."""
         return list(self._jobs)
 
     def progress(self, record: Record) -> float:
-        """Return how much of a log has been read that is being read, here or by another service."""
+        """Return the completed share of reading a log, here or by another service."""
         return self._leases.elsewhere.get(f"read {record.id}", self._readers.of(record).progress)
 
     def queue(self, record: Record, *, pack: bool = True) -> Record:
-        """Queue a log for reading, once, and return its record in that state; without ``pack`` only to look at it."""
+        """Queue a log for reading, once, and return its record in that state; without ``pack`` only examine it."""
         if record.id in self._jobs:
             return self._catalogue.get(record.id) or record
         target = self._catalogue.pack(record.id) if pack else None
@@ -60,13 +60,13 @@ class Jobs:
         return queued
 
     def adopt(self, record: Record) -> None:
-        """Wait for a log that another service has queued, and read it if that service does not."""
+        """Wait for a log queued by another service, and read it if that service does not."""
         if record.id not in self._jobs:
             task = self._read(record, self._catalogue.pack(record.id), adopted=True)
             self._jobs[record.id] = asyncio.create_task(task)
 
     async def follow(self, log_ids: Collection[str] | None) -> None:
-        """Take over what other services have changed of some logs, None: of any. Raises ``StorageError``."""
+        """Load the changes of other services for some logs, None: for any. Raises ``StorageError``."""
         for record in await self._catalogue.follow(log_ids):
             if record.source == "upload" and record.state in ("queued", "reading"):
                 self.adopt(record)
@@ -77,12 +77,13 @@ class Jobs:
                 await self.stop(log_id)
 
     def resume(self, record: Record) -> None:
-        """Queue again a log whose reading an earlier run of the service did not finish.
+        """Queue a log again whose reading an earlier run of the service did not finish.
 
-        It fails instead where :data:`MOST_ATTEMPTS` readings were interrupted: the log may be what ends the service.
+        If :data:`MOST_ATTEMPTS` readings were interrupted, it fails instead, because the log may be what ends the
+        service.
         """
         if self._leases.is_shared and record.state in ("queued", "reading"):
-            self.adopt(record)  # it may be being read
+            self.adopt(record)  # another service may be reading it
         elif record.attempts < MOST_ATTEMPTS:
             self.queue(record)
         elif record.state != "failed":
@@ -92,11 +93,11 @@ class Jobs:
         """Wait for the end of the running job."""
         job = self._jobs.get(log_id)
         if job is not None:
-            await asyncio.wait([job])  # not the job itself: it may be cancelled, and that is not ours to be
+            await asyncio.wait([job])  # not the job itself, because cancelling it must not cancel this
 
     async def stop(self, log_id: str) -> bool:
         """Stop a job, and return whether there was one."""
-        job = self._jobs.pop(log_id, None)  # one that has not begun yet does not do it itself
+        job = self._jobs.pop(log_id, None)  # a job that has not started does not remove itself
         if job is None:
             return False
         job.cancel()
@@ -104,7 +105,7 @@ class Jobs:
         return True
 
     async def close(self) -> None:
-        """Stop all jobs; the next start queues them again. An orderly stop is not an attempt that failed."""
+        """Stop all jobs; the next start queues them again. An orderly stop does not count as a failed attempt."""
         self._closing = True
         for _, timer in self._retries.values():
             timer.cancel()
@@ -114,7 +115,7 @@ class Jobs:
         await asyncio.gather(*jobs.values(), return_exceptions=True)
 
     async def _read(self, record: Record, pack: Path | None, *, adopted: bool = False) -> None:
-        """The job: wait for the reader, read, and store the outcome."""
+        """Wait for the reader, read, and store the outcome."""
         log_id = record.id
 
         def is_open() -> bool:
@@ -131,9 +132,9 @@ class Jobs:
         try:
             try:
                 await self._leases.done_once(once, work, adopted=adopted)
-            except SlowReadingError:  # now where large files are read
+            except SlowReadingError:  # now with the large files
                 await self._leases.done_once(once, work)
-        except StorageError as error:  # the database of several services is away: another one reads it, or a later run
+        except StorageError as error:  # the database of several services is unavailable; another one reads it later
             _log.warning("log not read now", log=log_id, code=error.code)
         finally:
             self._ended(log_id)
@@ -145,7 +146,7 @@ class Jobs:
                 half.unlink(missing_ok=True)
 
     async def _pack(self, record: Record, pack: Path | None) -> None:
-        """Read a log again whose record is complete, for its pack: another service has read it."""
+        """Read a log with a complete record again for its pack, because another service has read it."""
         reader = self._readers.of(record)
         try:
             async with reader.turn(record.owner), self._catalogue.source(record) as source:
@@ -185,26 +186,26 @@ class Jobs:
             raise
         except SlowReadingError:
             self._readers.slow.add(record.id)
-            if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
+            if self._catalogue.get(record.id) is not None:  # not deleted in the meantime
                 self._catalogue.save(replace(record, state="queued", attempts=record.attempts - 1))
             raise
         except MapperError as error:
             done = replace(record, state="failed", error=Failure(error.code, error.message))
             _log.info("log refused", log=record.id, code=error.code, message=error.message)
-        except OSError as error:  # the system gave no process to read in
+        except OSError as error:  # the system has no process for reading
             refused = unstored()
             done = replace(record, state="failed", error=Failure(refused.code, refused.message))
             _log.warning("log not read now", log=record.id, error=str(error))
         except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this log alone
-            # A reader's own defect must not hang the log in "reading", nor show a traceback to the visitor.
+            # An internal error of a reader must not leave the log in "reading", nor show a traceback to the visitor.
             done = replace(record, state="failed", error=Failure("log.reader_failed", "The reader failed on this log."))
             _log.exception("log reader failed", log=record.id)
-        if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
+        if self._catalogue.get(record.id) is not None:  # not deleted in the meantime
             await self._catalogue.finish(replace(done, attempts=0), lease)
             self._repeat_later(done)
 
     def _repeat_later(self, record: Record) -> None:
-        """Have a reading repeated after a while that the disk had no room for; each pause is twice the one before."""
+        """Repeat a reading that had no disk space after a pause, which doubles each time."""
         before, _ = self._retries.pop(record.id, (0.0, None))
         if record.error is None or record.error.code != UNSTORED or self._closing:
             return
@@ -215,28 +216,28 @@ class Jobs:
     def _repeat(self, log_id: str) -> None:
         record = self._catalogue.get(log_id)
         if record is None or record.error is None or record.error.code != UNSTORED:
-            self._retries.pop(log_id, None)  # deleted, or read meanwhile
+            self._retries.pop(log_id, None)  # deleted, or read in the meantime
         else:
             self.queue(record)
 
 
 def interrupted(record: Record) -> Record:
-    """Return the record of a log that is not read any more: it may be what ends the service."""
+    """Return the record of a log that is no longer read, because it may be what ends the service."""
     message = f"The service ended {record.attempts} times while it read this log; it is not read again by itself."
     _log.warning("log not read again", log=record.id, attempts=record.attempts)
     return replace(record, state="failed", error=Failure(INTERRUPTED, message))
 
 
 def without_paths(error: MapperError, source: Path, name: str) -> MapperError:
-    """Return the error for the log's owner: with the log's name instead of the file's."""
+    """Return the error for the log's owner, with the log's name instead of the file's."""
     return type(error)(error.code, error.message.replace(str(source), name).replace(source.name, name))
 
 
 def full() -> LimitError:
-    """Return the error for a library without room."""
+    """Return the error for a full library."""
     return LimitError("library.full", "The server has no space left for logs; try again later.")
 
 
 def unstored() -> ReadError:
-    """Return the error for a log of which what was read could not be kept."""
+    """Return the error for a log whose data could not be stored."""
     return ReadError(UNSTORED, "What was read of the log could not be stored; try again.")

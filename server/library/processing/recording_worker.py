@@ -1,4 +1,4 @@
-"""A process with limits for jobs on recordings that a visitor waits for: one at a time."""
+"""A process with limits for jobs on recordings that a visitor waits for, one at a time."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ T = TypeVar("T")
 
 
 class RecordingWorker:
-    """Does jobs on the recordings of a catalogue, of waiting addresses and visitors in rotation.
+    """Does jobs on the recordings of a catalogue, for waiting addresses and visitors in rotation.
 
-    Used from the event loop only. The process of a job is ended when who waits for it is cancelled.
+    Used from the event loop only. The process of a job is ended when its caller is cancelled.
     """
 
     def __init__(self, catalogue: Catalogue, memory_bytes: int) -> None:
@@ -32,7 +32,7 @@ class RecordingWorker:
 
     @property
     def progress(self) -> float:
-        """The share of the present job that is done, 0 to 1."""
+        """Completed share of the current job, 0 to 1."""
         return self._worker.progress
 
     def turn(self, visitor: str, address: str) -> AbstractAsyncContextManager[None]:
@@ -40,12 +40,12 @@ class RecordingWorker:
         return self._turns.of(visitor, address)
 
     async def done(self, record: Record, visitor: str, address: str, job: Callable[[str], BoundedJob[T]]) -> T:
-        """Wait for a turn, and return as :meth:`of_recording` does."""
+        """Wait for a turn, and return the result of :meth:`of_recording`."""
         async with self.turn(visitor, address):
             return await self.of_recording(record, job)
 
     async def of_recording(self, record: Record, job: Callable[[str], BoundedJob[T]]) -> T:
-        """Return the result of the job that ``job`` makes of the recording's path, in a turn. Raises what it raised."""
+        """Return the result of the job that ``job`` creates from the recording's path, in a turn. Raises its errors."""
         async with self._catalogue.source(record) as source:
             try:
                 return await self.of(job(str(source)))
@@ -53,7 +53,7 @@ class RecordingWorker:
                 raise without_paths(error, source, record.name) from None
 
     async def of(self, job: BoundedJob[T]) -> T:
-        """Return the result of a job, in a turn. Raises what it raised."""
+        """Return the result of a job, in a turn. Raises its errors."""
         return await outcome_of(self._worker, job)
 
     async def close(self) -> None:

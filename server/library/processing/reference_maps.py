@@ -1,6 +1,6 @@
-"""The maps that visitors' logs are localized in: one for each visitor and log, made in a process with limits.
+"""The maps in which visitors' logs are localized: one for each visitor and log, created in a process with limits.
 
-Services that share their store have the newest of each from it.
+Services with a shared store get the newest of each from it.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from server.storage import private_folder
 from server.work.fair_lock import FairLock
 
 LIMITS = JobLimits(timeout_s=300.0, cpu_s=600.0)
-RESOLUTIONS = (0.05, 0.1, 0.2, 0.5)  #: metres a cell: the first that the limits allow
+RESOLUTIONS = (0.05, 0.1, 0.2, 0.5)  #: metres per cell: the first that the limits allow
 MOST_CELLS = 1 << 26
 
 
 @dataclass(frozen=True, slots=True)
 class ReferenceMapJob(BoundedJob[ReferenceMap]):
-    """Make the map ``title`` in the file ``out``.
+    """Create the map ``title`` in the file ``out``.
 
-    ``source`` is the pack of a log, mapped along its ``trajectory``; or, where that is None, the map files: a tar
-    archive of a yaml and its image, or a map of CMU's course.
+    ``source`` is the pack of a log, mapped along its ``trajectory``; or, if that is None, the map files: a tar archive
+    of a yaml and its image, or a map of CMU's course.
     """
 
     DOING = "Making this map"
@@ -52,7 +52,7 @@ class ReferenceMapJob(BoundedJob[ReferenceMap]):
     limits: JobLimits
 
     def compute(self) -> ReferenceMap:
-        """Return the map. Raises :class:`mapper.core.errors.MapperError` for a file that is no map."""
+        """Return the map. Raises :class:`mapper.core.errors.MapperError` for a file that is not a map."""
         reference = (
             read_map(Path(self.source), self.title, Path(self.out).parent)
             if self.trajectory is None
@@ -98,7 +98,7 @@ class MapLogs(Logs, Protocol):
 
 
 class ReferenceMaps:
-    """All of them, as files in ``folder`` and in the store of ``common``. Used from the event loop only."""
+    """All maps, as files in ``folder`` and in the store of ``common``. Used from the event loop only."""
 
     def __init__(
         self, logs: MapLogs, worker: Callable[[], Worker], folder: Path, room: Callable[[], int], common: CommonFiles
@@ -107,7 +107,7 @@ class ReferenceMaps:
         self._worker: Worker | None = None
         self._turns = FairLock()
         private_folder(folder)
-        for left in folder.iterdir():  # by a process that was killed
+        for left in folder.iterdir():  # by a killed process
             if left.is_dir() and not left.is_symlink():
                 shutil.rmtree(left, ignore_errors=True)
             elif left.suffix != ".npz":
@@ -120,17 +120,17 @@ class ReferenceMaps:
         return self._bytes
 
     def path(self, owner: str, log_id: str) -> Path:
-        """Return the path of the map that a visitor has chosen for a log; it may not exist."""
+        """Return the path of the map chosen by a visitor for a log; it may not exist."""
         name = hashlib.sha256(f"{log_id}\n{owner}".encode()).hexdigest()[:40]
         return self._folder / f"{hashlib.sha256(log_id.encode()).hexdigest()[:16]}-{name}.npz"
 
     async def get(self, owner: str, log_id: str) -> ReferenceMap:
-        """Return that map. Raises :class:`ConfigError` where there is none."""
+        """Return that map. Raises :class:`ConfigError` if there is none."""
         self._logs.get(owner, log_id)
         return await asyncio.to_thread(read_reference_map, await self.newest(owner, log_id))
 
     async def newest(self, owner: str, log_id: str) -> Path:
-        """Return :meth:`path`, at which the newest map is that another service may have chosen since."""
+        """Return :meth:`path` after updating it with the newest map, which another service may have chosen."""
         path = self.path(owner, log_id)
         before = _bytes_of(path)
         await self._common.update(path, _common_name(log_id, path))
@@ -140,9 +140,9 @@ class ReferenceMaps:
     async def of_log(
         self, owner: str, log_id: str, other: str, topic: str | None, trajectory: str | None, *, address: str = ""
     ) -> ReferenceMap:
-        """Choose the map of the log ``other`` along one of its trajectories, None: its first; or ``other``, a map.
+        """Choose the map of the log ``other`` along a trajectory (None: its first), or ``other`` itself if it is a map.
 
-        Raises :class:`LimitError`, and as the library for logs that the owner may not open.
+        Raises :class:`LimitError`, and like the library for logs that the owner may not open.
         """
         self._logs.get(owner, log_id)
         reference = await self._logs.reference_map(owner, other)
@@ -162,7 +162,7 @@ class ReferenceMaps:
     async def of_files(
         self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes], *, address: str = ""
     ) -> ReferenceMap:
-        """Choose the map in uploaded files, as :class:`ReferenceMapJob` has them.
+        """Choose the map in uploaded files, see :class:`ReferenceMapJob`.
 
         Raises :class:`LimitError` and :class:`mapper.core.errors.ReadError`.
         """
@@ -205,8 +205,8 @@ class ReferenceMaps:
         return reference
 
     async def _put(self, owner: str, log_id: str, fresh: Path) -> None:
-        """Keep the file ``fresh`` as the map that was chosen, here and in the store."""
-        self._logs.get(owner, log_id)  # it may have been deleted meanwhile
+        """Store the file ``fresh`` as the chosen map, here and in the store."""
+        self._logs.get(owner, log_id)  # it may have been deleted in the meantime
         out = self.path(owner, log_id)
         self._replace(fresh, out)
         await self._common.replace(out, _common_name(log_id, out))
@@ -220,7 +220,7 @@ class ReferenceMaps:
         fresh.replace(out)
 
     async def forget_log(self, log_id: str) -> None:
-        """Remove the maps that were chosen for a log."""
+        """Remove the maps chosen for a log."""
         for file in self._folder.glob(f"{hashlib.sha256(log_id.encode()).hexdigest()[:16]}-*.npz"):
             self._bytes -= _bytes_of(file)
             file.unlink(missing_ok=True)
@@ -233,12 +233,12 @@ class ReferenceMaps:
 
 
 def _common_name(log_id: str, path: Path) -> str:
-    """Return the name of a map in the store, where the files of logs begin with the log's id."""
+    """Return the name of a map in the store, where the names of a log's files begin with its id."""
     return f"{log_id}.{path.name}"
 
 
 def _bytes_of(path: Path) -> int:
-    """Return the size of a file, 0 for none."""
+    """Return the size of a file, 0 if there is none."""
     try:
         return path.stat().st_size
     except FileNotFoundError:

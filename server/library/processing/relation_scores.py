@@ -1,6 +1,6 @@
-"""The score of a log's poses against known relations between places, beside published results.
+"""The score of a log's poses against known relations between places, compared with published results.
 
-The odometry messages that the relations' stamps name are read from the original file, in a process with limits.
+The odometry messages identified by the relations' stamps are read from the original file, in a process with limits.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class MeanErrors:
 class RelationMeans:
     """Mean errors over the relations of a file, without those ``left_out``; ``policy`` says how stamps were mapped.
 
-    ``unambiguous`` are those over the relations whose stamps name one message each, None where all do.
+    ``unambiguous`` are those over the relations whose stamps identify one message each, None if all do.
     """
 
     relations: int
@@ -59,7 +59,7 @@ class RelationMeans:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PoseScore(RelationMeans):
-    """The mean errors of a ``trajectory``, and ``published`` ones on the ``benchmark`` that the file's name tells."""
+    """The mean errors of a ``trajectory``, and ``published`` ones on the ``benchmark`` that the file's name states."""
 
     trajectory: str
     benchmark: str | None
@@ -70,7 +70,8 @@ class PoseScore(RelationMeans):
 class ScoreJob(BoundedJob[RelationMeans]):
     """Score ``poses`` (n, 3), one for each scan of the log ``source``, against the relations in the file ``relations``.
 
-    ``stamps_ns`` (n,) are the scans', ``topic`` names the log's sensor; None for the sample, which has no file.
+    ``stamps_ns`` (n,) are the scans', ``topic`` names the log's sensor. ``source`` is None for the sample, which has no
+    file.
     """
 
     source: str | None
@@ -106,7 +107,7 @@ def _means(translation: ErrorSeries, rotation: ErrorSeries) -> MeanErrors:
 
 
 class RelationScores:
-    """Scores poses of the catalogue's logs, of waiting addresses and visitors in rotation.
+    """Scores poses of the catalogue's logs, for waiting addresses and visitors in rotation.
 
     Used from the event loop only.
     """
@@ -129,8 +130,8 @@ class RelationScores:
     ) -> PoseScore:
         """Return the mean errors of a trajectory over the relations in ``text``, a file called ``name``.
 
-        ``benchmark`` is the log of the benchmark that the name tells, and ``published`` the results on it. Raises
-        :class:`MapperError` for a file without relations, or belongs to another log.
+        ``benchmark`` is the log of the benchmark identified by the name, and ``published`` are the results on it.
+        Raises :class:`MapperError` for a file without relations, or one that belongs to another log.
         """
         poses = log.trajectory(trajectory).poses
         relations = self._folder / f"relations-{secrets.token_hex(8)}"
@@ -166,7 +167,7 @@ class RelationScores:
 
 
 async def relations_text(chunks: AsyncIterator[bytes]) -> bytes:
-    """Return a file of relations. Raises :class:`LimitError` for one of more than 4 MiB."""
+    """Return a file of relations. Raises :class:`LimitError` if it exceeds 4 MiB."""
     text = bytearray()
     async for chunk in chunks:
         text += chunk

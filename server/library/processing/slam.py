@@ -1,7 +1,7 @@
-"""SLAM as a kind of jobs on logs: what it makes is one more trajectory of the log, with its pose graph.
+"""SLAM as a kind of job on logs. Its result is one more trajectory of the log, with its pose graph.
 
-The worker process writes files: how far it is and the poses so far while it runs, the trajectory and the pose graph in
-the end. The server reads them, wherever the process runs.
+The worker process writes files: while it runs, its progress and the poses so far, and at the end the trajectory and the
+pose graph. The server reads them, wherever the process runs.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from mapper.slam import SlamProgress
 
 NAME = "SLAM"  #: of the trajectory, in the process
-EVERY_S = 0.4  #: seconds between two reports, except those of a closed loop
+EVERY_S = 0.4  #: seconds between two reports, except after a closed loop
 
 #: Endings of the files, after the job's ``out``.
 TUM, GRAPH = ".tum", ".graph"
@@ -43,7 +43,7 @@ TUM, GRAPH = ".tum", ".graph"
 
 @dataclass(frozen=True, slots=True)
 class SlamOutcome:
-    """Result of SLAM of a log, with the figures of the map along the poses from ``before`` and ``after`` it."""
+    """Result of SLAM, with the figures of the maps along the poses ``before`` and ``after`` it."""
 
     odometry: str | None
     loops: int
@@ -58,9 +58,9 @@ class SlamOutcome:
 class SlamJob(BoundedJob[SlamOutcome]):
     """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
 
-    ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
-    ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
-    figures of the result are those of that map.
+    ``out`` is the path of its files without their endings, ``parameters`` are those that differ from the defaults.
+    ``mapping`` are parameters of the map for which the poses are computed: SLAM uses its mount and its time offset, and
+    the result contains the figures of that map.
     """
 
     BACKGROUND = True
@@ -75,7 +75,7 @@ class SlamJob(BoundedJob[SlamOutcome]):
     limits: JobLimits
 
     def compute(self) -> SlamOutcome:
-        """Return the result. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use."""
+        """Return the result. Raises :class:`mapper.core.errors.MapperError` for a log unsuitable for SLAM."""
         from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
         log = log_in(self.pack)
@@ -108,7 +108,7 @@ class SlamJob(BoundedJob[SlamOutcome]):
 
 @dataclass(frozen=True, slots=True)
 class PartialPoses:
-    """The poses (k, 3), ``T_map_base``, of the first k scans while SLAM runs; ``stage`` as SLAM names it."""
+    """The poses (k, 3), ``T_map_base``, of the first k scans while SLAM runs; ``stage`` is named by SLAM."""
 
     fraction: float
     stage: str
@@ -117,7 +117,7 @@ class PartialPoses:
 
 
 class _Reporter:
-    """Writes how far SLAM is, at most every :data:`EVERY_S`, sooner where a loop has closed."""
+    """Writes SLAM's progress, at most every :data:`EVERY_S`, sooner after a closed loop."""
 
     def __init__(self, out: str) -> None:
         self._out = out
@@ -140,7 +140,7 @@ class _Reporter:
 
 @dataclass(frozen=True, slots=True)
 class SlamRequest(PoseRequest):
-    """SLAM of a log; ``parameters`` are those that differ from the first values."""
+    """SLAM of a log; ``parameters`` are those that differ from the defaults."""
 
     parameters: Parameters = field(default_factory=dict)
 
@@ -150,7 +150,7 @@ Two = tuple[float | None, float | None]
 
 @dataclass(frozen=True, slots=True)
 class SlamResult:
-    """What SLAM has made of a log: ``trajectory`` is its name; figures of the map before and after it."""
+    """Result of SLAM for a log: ``trajectory`` is the name of the new one; figures of the map before and after."""
 
     trajectory: str
     odometry: str | None
@@ -165,7 +165,7 @@ class SlamResult:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlamStatus(JobStatus):
-    """State of SLAM of a log: the ``stage`` as SLAM names it, how many scans have poses, how many loops have closed."""
+    """State of SLAM for a log: the ``stage``, the number of scans with poses, and the number of closed loops."""
 
     log: str
     topic: str | None
@@ -183,13 +183,13 @@ class SlamKind:
     jobs = JobKind("slam", "SLAM", "SLAM job", SlamRequest, SlamResult)
 
     def checked(self, log_id: str, request: SlamRequest) -> SlamRequest:  # noqa: ARG002 - what another kind needs
-        """Return a request with the parameters that differ from the first values."""
+        """Return a request with the parameters that differ from the defaults."""
         request.check()
         first = SlamConfig()
         return replace(request, parameters=changed_values(first.with_values(request.parameters), first))
 
     def others(self, request: SlamRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
-        """Return no log: SLAM uses one."""
+        """Return no log, because SLAM uses only one."""
         return ()
 
     def status(

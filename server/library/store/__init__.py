@@ -1,1 +1,1 @@
-"""Where the library keeps what it has: the database and the blobs."""
+"""The library's storage: the database and the blobs."""

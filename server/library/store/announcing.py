@@ -1,4 +1,4 @@
-"""Triggers by which PostgreSQL tells every service that uses a database what another one has changed in it.
+"""Triggers by which PostgreSQL notifies every service that uses a database of changes by another one.
 
 Each change of a row is announced on :data:`CHANNEL` as ``TABLE KEY`` when its transaction is committed (NOTIFY).
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from sqlalchemy import Connection, text
 
 CHANNEL = "gridbloom_changes"
-#: What a service keeps in memory, and the column that is announced.
+#: Data that a service keeps in memory, and the announced column.
 ANNOUNCED = {
     "logs": "id",
     "links": "log_id",
@@ -30,7 +30,7 @@ END $$
 
 
 def announce_changes(connection: Connection) -> None:
-    """Make the triggers that are missing; all changes of a transaction are announced, equal ones once."""
+    """Create missing triggers. All changes of a transaction are announced, equal ones once."""
     connection.execute(text(_FUNCTION))
     trigger = connection.execute(text("SELECT tgrelid::regclass::text FROM pg_trigger WHERE tgname = :name"),
                                {"name": _TRIGGER}).scalars()  # fmt: skip

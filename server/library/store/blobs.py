@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from obstore.store import ObjectStore, RetryConfig
 
 BLOBS, INCOMING, IDENTITY = "blobs", "incoming", "identity"
-LOCAL_PART_BYTES = 1 << 18  #: bytes of an upload that are held back in memory
+LOCAL_PART_BYTES = 1 << 18  #: bytes of an upload that are buffered in memory
 REMOTE_PART_BYTES = 5 << 20  #: the smallest part that S3 accepts
 HASHED_AT_ONCE = 1 << 16  #: bytes that are hashed without another thread
 PIECE_BYTES = 1 << 20
@@ -39,7 +39,7 @@ _log = structlog.get_logger(__name__)
 
 
 class Incoming:
-    """An upload that is being written to a store, ``size`` bytes so far. Event loop only, one call at a time."""
+    """An upload being written to a store, ``size`` bytes so far. Event loop only, one call at a time."""
 
     def __init__(self, store: ObjectStore) -> None:
         self.name = uuid.uuid4().hex
@@ -62,7 +62,7 @@ class Incoming:
     async def write(self, data: bytes | bytearray) -> None:
         """Append ``data``, which must not be changed afterwards. Raises :class:`StorageError`."""
         if self._ended:
-            return  # late data of an upload that was cancelled
+            return  # late data of a cancelled upload
         with _storage_errors(remote=not isinstance(self._store, LocalStore)):
             if len(data) <= HASHED_AT_ONCE:
                 self._digest.update(data)
@@ -92,7 +92,7 @@ class Incoming:
             return
         self._ended = True
         writer, reason = self._writer, RuntimeError("the upload was given up")
-        del self._writer  # which removes the written bytes, also if closing it failed
+        del self._writer  # which removes the written bytes, even if closing it failed
         with contextlib.suppress(OSError, BaseError):  # what cannot be removed now is removed at the next start
             if not await writer.closed():
                 await writer.__aexit__(RuntimeError, reason, None)
@@ -102,9 +102,9 @@ class Incoming:
 
 
 class Blobs:
-    """A store of blobs; ``folder`` is where it is if that is a folder of this machine, ``scratch`` one for copies.
+    """A store of blobs; ``folder`` is its place if that is a folder of this machine, ``scratch`` a folder for copies.
 
-    ``kind`` is the folder of the store in which the blobs are.
+    ``kind`` is the folder of the store that contains the blobs.
     """
 
     def __init__(self, store: ObjectStore, folder: Path | None, scratch: Path, kind: str = BLOBS) -> None:
@@ -127,7 +127,7 @@ class Blobs:
             return cls(LocalStore(prefix=folder), folder, scratch)
 
     def beside(self, kind: str) -> Blobs:
-        """Return the files of another ``kind`` in the same store, whose names their users choose."""
+        """Return the files of another ``kind`` in the same store, with names chosen by their users."""
         if self._folder is not None:
             with _storage_errors(remote=False):
                 private_folder(self._folder / kind)
@@ -145,7 +145,7 @@ class Blobs:
                 identity = uuid.uuid4().hex
                 try:
                     obstore.put(self._store, IDENTITY, identity.encode(), mode="create")
-                except AlreadyExistsError:  # another service has begun at the same time
+                except AlreadyExistsError:  # another service has started at the same time
                     return bytes(obstore.get(self._store, IDENTITY).bytes()).decode("ascii", "replace")[:64]
                 return identity
 
@@ -154,7 +154,7 @@ class Blobs:
         return Incoming(self._store)
 
     async def names(self, min_age_s: float = 0.0) -> set[str]:
-        """Return the digests of all blobs that are as old. Raises :class:`StorageError`."""
+        """Return the digests of all blobs at least ``min_age_s`` old. Raises :class:`StorageError`."""
         return {path.rsplit("/", 1)[-1] for path in await self._paths(self._kind, min_age_s)}
 
     async def _paths(self, kind: str, min_age_s: float) -> list[str]:
@@ -214,7 +214,7 @@ class Blobs:
             await obstore.put_async(self._store, f"{self._kind}/{name}", path)
 
     async def copy_out(self, name: str, path: Path) -> None:
-        """Copy a blob to a new local file, whole or not at all. Raises :class:`StorageError`, also if there is none."""
+        """Copy a blob to a new local file, completely or not at all. Raises :class:`StorageError`, also if missing."""
         copy = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
         try:
             with _storage_errors(remote=not isinstance(self._store, LocalStore)):
@@ -226,7 +226,7 @@ class Blobs:
     async def remove_unreferenced(self, keep: Collection[str], min_age_s: float = 0.0) -> None:
         """Remove incomplete files of an earlier run, and all blobs except those named in ``keep``.
 
-        Where other services use the store, ``min_age_s`` spares what they may be writing.
+        If other services use the store, ``min_age_s`` spares files that they may be writing.
         """
         for name in await self.names(min_age_s) - set(keep):
             await self.delete(name)
@@ -252,7 +252,7 @@ def _empty(folder: Path, min_age_s: float) -> None:
 
 @contextmanager
 def _storage_errors(*, remote: bool) -> Iterator[None]:
-    """Raise errors of a store as :class:`StorageError` and log the cause; ``remote`` says that it is not a folder."""
+    """Convert errors of a store to :class:`StorageError` and log the cause; ``remote`` is False for a folder."""
     try:
         yield
     except (OSError, BaseError) as error:

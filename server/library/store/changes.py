@@ -1,6 +1,6 @@
-"""Changes by other services, or by other workers of this one, in a shared database, applied to what is in memory.
+"""Changes of a shared database by other services, or other workers of this one, applied to the data in memory.
 
-PostgreSQL announces them (LISTEN), in SQLite they are looked for (:mod:`server.library.store.recorded_changes`).
+PostgreSQL announces them (LISTEN); SQLite is polled (:mod:`server.library.store.recorded_changes`).
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from server.library.store.recorded_changes import RecordedChanges
 from server.storage import StorageError
 
 AGAIN_S = 1.0  #: pause before the database is tried again
-LOOK_EVERY_S = 0.1  #: between two looks into SQLite
+LOOK_EVERY_S = 0.1  #: interval of polling SQLite
 
 _log = structlog.get_logger(__name__)
 
 Follow = Callable[[set[str] | None], Awaitable[None]]
-"""Called with the keys of a table that have changed; None: any of them may have."""
+"""Called with the changed keys of a table; None: any of them may have changed."""
 
 
 class Changes:
     """Calls the functions of ``followers``, by table, after changes by other services. Used from the event loop.
 
-    After each connection all tables are followed, because what was announced before was missed.
+    After each connection all tables are followed, because earlier announcements were missed.
     """
 
     def __init__(self, database: Database, **followers: Follow) -> None:
@@ -40,13 +40,13 @@ class Changes:
         self._tasks: list[asyncio.Task[None]] = []
 
     def begin(self) -> None:
-        """Begin, where the database is shared."""
+        """Start, if the database is shared."""
         if self._database.is_shared:
             hear = self._listen() if self._database.file is None else self._look(self._database.file)
             self._tasks = [asyncio.create_task(hear), asyncio.create_task(self._follow())]
 
     async def close(self) -> None:
-        """End it."""
+        """Stop."""
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -97,7 +97,7 @@ class Changes:
             await self._wake.wait()
             self._wake.clear()
             changed, self._changed = self._changed, {}
-            for table, follow in self._followers.items():  # in their order: a log before what belongs to it
+            for table, follow in self._followers.items():  # in their order: a log before its additions
                 if table in changed:
                     try:
                         await follow(changed[table])

@@ -1,6 +1,6 @@
-"""Files of logs in the store of blobs, where every service finds them: packs, pictures, and maps to localize in.
+"""Files of logs in the store of blobs, where every service finds them: packs, pictures, and maps for localization.
 
-A service that has its database and its store for itself keeps them in its data folder only.
+A service that does not share its database and store keeps them only in its data folder.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from server.library.store.blobs import Blobs
 from server.storage import StorageError
 
 PACKS = "packs"  #: the folder of the store
-MIN_AGE_S = 24 * 3600.0  #: of files that belong to no record: younger ones may be those of an upload elsewhere
+MIN_AGE_S = 24 * 3600.0  #: of files without a record; younger ones may belong to an upload elsewhere
 
 
 class CommonFiles:
@@ -34,7 +34,7 @@ class CommonFiles:
 
     @property
     def min_age_s(self) -> float:
-        """Age in seconds from which a file without a record is removed."""
+        """Age in seconds above which a file without a record is removed."""
         return MIN_AGE_S if self.is_shared else 0.0
 
     @asynccontextmanager
@@ -47,7 +47,7 @@ class CommonFiles:
             yield
 
     async def fetch(self, *paths: Path) -> None:
-        """Copy the files from the store that are missing here; those that it has not stay missing."""
+        """Copy missing files from the store; those not in the store stay missing."""
         if self._files is None:
             return
         async with self._fetching:
@@ -57,7 +57,7 @@ class CommonFiles:
                         await self._files.copy_out(path.name, path)
 
     async def publish(self, *paths: Path) -> None:
-        """Copy the files that are here into the store; what fails is read again elsewhere."""
+        """Copy existing files into the store. Data of files that cannot be copied is read again elsewhere."""
         if self._files is None:
             return
         for path in paths:
@@ -66,12 +66,12 @@ class CommonFiles:
                     await self._files.copy_in(path, path.name)
 
     async def replace(self, path: Path, name: str) -> None:
-        """Copy a file into the store, in the place of an older one of this name. Raises :class:`StorageError`."""
+        """Copy a file into the store, replacing an older one of this name. Raises :class:`StorageError`."""
         if self._files is not None:
             await self._files.copy_in(path, name)
 
     async def update(self, path: Path, name: str) -> None:
-        """Replace a file here by that of this name in the store, where the store has one and can be reached."""
+        """Replace a local file by the store's file of this name, if the store has it and is reachable."""
         if self._files is not None:
             with contextlib.suppress(StorageError):
                 await self._files.copy_out(name, path)

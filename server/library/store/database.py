@@ -1,7 +1,7 @@
 """The database of the records, through SQLAlchemy: SQLite in a file, or PostgreSQL by its URL.
 
-One writer: all work runs on one thread in the order of the calls, each call in a transaction of its own. The tables are
-brought up to date when the database is opened.
+There is one writer: all work runs on one thread in the order of the calls, each call in its own transaction. The tables
+are upgraded when the database is opened.
 """
 
 from __future__ import annotations
@@ -27,20 +27,20 @@ from server.library.store.tables import alembic_version, metadata
 from server.storage import RECORDS_FILE, StorageError, disk_full
 
 RESERVE_BYTES = 1 << 18  #: a deletion writes a few pages of 4 KiB, and 32 KiB of the index of the write-ahead log
-LEAST_BYTES = 1 << 15  #: less is of no use
+LEAST_BYTES = 1 << 15  #: a smaller reserve is useless
 
 
 class Reserve:
-    """A file beside the database, which takes room on the disk until it is given up. Any thread, one call at a time.
+    """A file next to the database that reserves disk space until it is released. Any thread, one call at a time.
 
-    It is kept for deletions: on a full disk SQLite cannot even write that a row is gone.
+    It is reserved for deletions, because on a full disk SQLite cannot even record that a row is deleted.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def keep(self) -> None:
-        """Take the room that is not taken, or as much of it as there is now."""
+        """Reserve the missing space, or as much of it as is available."""
         with contextlib.suppress(OSError):
             handle = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o600)
             try:
@@ -49,18 +49,18 @@ class Reserve:
                     with contextlib.suppress(OSError):
                         os.posix_fallocate(handle, 0, size)
                         break
-                    os.ftruncate(handle, used)  # what was taken before it failed
+                    os.ftruncate(handle, used)  # the space reserved before the failure
                     size //= 2
             finally:
                 os.close(handle)
 
     def give_up(self) -> None:
-        """Give the room back to the disk."""
+        """Release the space."""
         self._path.unlink(missing_ok=True)
 
 
 PAGE_BYTES = 4096  #: of SQLite, as it is built
-BUSY_S = 5.0  #: how long to wait for a lock that another program holds
+BUSY_S = 5.0  #: longest wait for a lock that another program holds
 
 T = TypeVar("T")
 
@@ -76,17 +76,17 @@ class Database:
         self.is_shared = is_server or of_workers  #: whether other processes may use it at the same time
         self.file = None if is_server else Path(str(engine.url.database))  #: of SQLite
         self._reserve = None if self.file is None else Reserve(self.file.with_name(f"{self.file.name}-reserve"))
-        self.pid = 0  #: of PostgreSQL's process that serves the present connection
+        self.pid = 0  #: of PostgreSQL's process that serves the current connection
         if is_server:
             event.listen(engine, "connect", self._connected)
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="records")
 
     @classmethod
     def open(cls, url: str | None, folder: Path, *, of_workers: bool = False) -> Database:
-        """Open the database at ``url``, None for a file of SQLite in ``folder``, and bring its tables up to date.
+        """Open the database at ``url``, None for a file of SQLite in ``folder``, and upgrade its tables.
 
-        ``of_workers``: several processes of one service use a file of SQLite, and each is told of the others' changes.
-        Raises :class:`StorageError`, also for one that a newer program has written.
+        ``of_workers``: several processes of one service use a file of SQLite, and each is notified of the others'
+        changes. Raises :class:`StorageError`, also for a database that a newer program has written.
         """
         engine = _engine(url, folder)
         opened = cls(engine, of_workers=of_workers)
@@ -108,20 +108,20 @@ class Database:
         return opened
 
     def run(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
-        """Run ``work`` in a transaction, after all work that was queued before.
+        """Run ``work`` in a transaction, after all previously queued work.
 
-        The future raises :class:`StorageError` where the database refuses; then nothing of it was done.
+        The future raises :class:`StorageError` if the database fails; then nothing has changed.
         """
         return asyncio.get_running_loop().run_in_executor(self._thread, _attempt, self._engine, work)
 
     def run_deletion(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
-        """Run ``work``, which deletes or a deletion needs, as :meth:`run`; on a full disk in the room that is kept."""
+        """Run ``work``, a deletion or part of one, like :meth:`run`; on a full disk it uses the reserved space."""
         return asyncio.get_running_loop().run_in_executor(self._thread, self._delete, work)
 
     def _delete(self, work: Callable[[Connection], T]) -> T:
         if self._reserve is None:
             return _attempt(self._engine, work)
-        self._reserve.keep()  # some of it may have been given up for the last deletion
+        self._reserve.keep()  # some of it may have been released for the last deletion
         try:
             return _attempt(self._engine, work)
         except StorageError as error:
@@ -133,7 +133,7 @@ class Database:
                 _empty_log(self._engine)
                 return done
             finally:
-                self._reserve.keep()  # before an upload takes the room
+                self._reserve.keep()  # before an upload uses the space
 
     def now(self, work: Callable[[Connection], T]) -> T:
         """Run ``work`` before any other, and wait for it. Raises :class:`StorageError`."""
@@ -171,18 +171,18 @@ def _engine(url: str | None, folder: Path) -> Engine:
 
 
 def _configure_sqlite(connection: sqlite3.Connection, _: object) -> None:
-    connection.isolation_level = None  # SQLAlchemy begins the transactions, so that those that alter tables are whole
-    # What is in the log only may make the file grow when the log is emptied: it must fit into the reserve.
+    connection.isolation_level = None  # SQLAlchemy begins the transactions, so that those that alter tables are atomic
+    # Data that is only in the log may enlarge the file when the log is emptied, so it must fit into the reserve.
     pages = f"wal_autocheckpoint={RESERVE_BYTES // PAGE_BYTES}"
     for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", pages):
         connection.execute(f"PRAGMA {pragma}").close()
 
 
 def _empty_log(engine: Engine) -> None:
-    """Write all that is in SQLite's write-ahead log into its file: each deletion would take more room otherwise."""
+    """Write SQLite's write-ahead log into its file; otherwise each deletion would need more space."""
     connection = engine.raw_connection()
     try:
-        with contextlib.suppress(sqlite3.Error):  # there is no room for it: the log stays as it is
+        with contextlib.suppress(sqlite3.Error):  # there is no space for it, and the log stays as it is
             connection.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)")
     finally:
         connection.close()
@@ -224,12 +224,12 @@ def _check(connection: Connection) -> None:
 
 
 def bring_up_to_date(connection: Connection) -> None:
-    """Give the database the tables of :mod:`server.library.store.tables`, in the transaction of ``connection``.
+    """Create or upgrade the tables of :mod:`server.library.store.tables`, in the transaction of ``connection``.
 
     Raises :class:`StorageError` for a database that another version of the program has written.
     """
     if connection.dialect.name == "postgresql":
-        connection.execute(text("SELECT pg_advisory_xact_lock(1196574018)"))  # two services that start at once
+        connection.execute(text("SELECT pg_advisory_xact_lock(1196574018)"))  # for two services that start at once
     known = set(inspect(connection).get_table_names())
     if known.isdisjoint({alembic_version.name, *metadata.tables}):
         _create(connection)
@@ -244,7 +244,7 @@ def bring_up_to_date(connection: Connection) -> None:
 
 
 def _create(connection: Connection) -> None:
-    """Make the tables as all revisions together make them. It spares an empty database the import of alembic."""
+    """Create the tables of the newest revision, which saves the import of alembic for an empty database."""
     alembic_version.create(connection)
     metadata.create_all(connection, checkfirst=False)
     connection.execute(alembic_version.insert().values(version_num=HEAD))

@@ -1,6 +1,6 @@
 """Checks that a database of records and a store of blobs belong together.
 
-Otherwise a service with the wrong store would take all records for records of deleted logs, and delete them.
+Otherwise a service with the wrong store would treat all records as those of deleted logs, and delete them.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ _log = structlog.get_logger(__name__)
 def check_store_identity(database: Database, blobs: Blobs) -> None:
     """Write the store's id into the records; raise :class:`StorageError` if they belong to another store.
 
-    A store whose id cannot be read now is accepted. Blocks.
+    A store whose id cannot currently be read is accepted. Blocks.
     """
 
     def belong(connection: Connection) -> bool:
         if connection.dialect.name == "postgresql":  # as SQLite does: a second service waits
             connection.execute(text("SELECT pg_advisory_xact_lock(1196574019)"))
-        try:  # a new store gets its id behind the lock: not every one refuses the second of two that come at once
+        try:  # a new store gets its id under the lock, because not every store refuses the second of two writers
             identity = blobs.identity()
         except StorageError:
             _log.warning("the id of the store of blobs cannot be read: whether the records belong to it is not checked")
@@ -44,9 +44,9 @@ def check_store_identity(database: Database, blobs: Blobs) -> None:
 
 
 def belong_together(database: Database, blobs: Blobs) -> bool:
-    """Return whether the records name this store, or no store yet: only then may one be deleted for lack of the other.
+    """Return whether the records name this store, or no store yet.
 
-    Blocks.
+    Otherwise, also if the store's id cannot be read, neither may be deleted because the other is missing. Blocks.
     """
     known = database.now(lambda connection: connection.execute(store.select()).scalars().all())
     try:

@@ -1,6 +1,6 @@
-"""Whether the folder and the database that the library opened are still there, and can be written.
+"""Checks whether the folder and the database that the library opened still exist and are writable.
 
-Open files outlast their names: without this check a service whose data folder was moved or unmounted would go on to
+Open files outlast their names. Without this check, a service whose data folder was moved or unmounted would continue to
 accept uploads into files that are lost at its end.
 """
 
@@ -14,14 +14,14 @@ from server.storage import StorageError
 
 
 class KnownPaths:
-    """Knows folders and files by what they were when this was made."""
+    """Identifies folders and files by their device and inode at construction."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._known = {path: _identity(path) for path in paths}
         self._folders = {path for path in paths if path.is_dir()}
 
     def check(self) -> None:
-        """Raise :class:`StorageError` unless all of them are what they were, and can be written."""
+        """Raise :class:`StorageError` unless all of them are the same as before, and writable."""
         for path, known in self._known.items():
             if _identity(path) != known:
                 raise StorageError(
@@ -34,7 +34,7 @@ class KnownPaths:
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
-    """Return device and number of a folder or file; None if there is none."""
+    """Return device and inode of a folder or file; None if it is missing."""
     try:
         status = path.stat()
     except OSError:

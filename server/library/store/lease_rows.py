@@ -1,4 +1,4 @@
-"""Leases as rows of a table that several services share: what each method does is one transaction."""
+"""Leases as rows of a table that several services share. Each method is one transaction."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class LeaseRows:
         self._holder = secrets.token_hex(10)
 
     async def take(self, name: str) -> bool:
-        """Take a lease unless another service holds it; return whether it was taken."""
+        """Acquire a lease unless another service holds it; return whether it was acquired."""
 
         def work(connection: Connection) -> bool:
             now = _now(connection)
@@ -44,7 +44,7 @@ class LeaseRows:
         return await self._database.run_deletion(work)  # a log is deleted under a lease
 
     async def renew(self, name: str, fraction: float) -> bool:
-        """Renew a lease, and state how much of its job is done; return False where it is not held any more."""
+        """Renew a lease, and store the completed share of its job; return False if it is no longer held."""
 
         def work(connection: Connection) -> bool:
             now = _now(connection)
@@ -55,15 +55,15 @@ class LeaseRows:
         return await self._database.run(work)
 
     def give_back(self, name: str) -> None:
-        """End a lease after all that was asked of the database before; what fails ends by itself."""
+        """Release a lease after all previously queued work. If that fails, it expires."""
         mine = self._mine(name)
         done = self._database.run_deletion(lambda connection: connection.execute(delete(leases).where(mine)).rowcount)
         done.add_done_callback(lambda task: None if task.cancelled() else task.exception() and None)
 
     async def finish(self, name: str, work: Callable[[Any], None]) -> None:
-        """Run ``work`` and end the lease in one transaction.
+        """Run ``work`` and release the lease in one transaction.
 
-        Raises :class:`LeaseLostError` where it is not held any more; then nothing was done.
+        Raises :class:`LeaseLostError` if it is no longer held; then nothing has changed.
         """
 
         def guarded(connection: Connection) -> None:
@@ -76,7 +76,7 @@ class LeaseRows:
         await self._database.run(guarded)
 
     async def fraction(self, name: str) -> float | None:
-        """Return how much of a job the holder of its lease has done, None where there is no holder."""
+        """Return the completed share of a job from the holder of its lease, None if there is no holder."""
 
         def work(connection: Connection) -> float | None:
             row = connection.execute(select(leases).where(leases.c.name == name)).first()
@@ -89,7 +89,7 @@ class LeaseRows:
 
 
 def _now(connection: Connection) -> float:
-    """Return the time of the database's clock, seconds since 1970: the clocks of several machines differ."""
+    """Return the time of the database's clock, seconds since 1970, because the clocks of several machines differ."""
     is_server = connection.dialect.name == "postgresql"
     now = "extract(epoch FROM clock_timestamp())" if is_server else "(julianday('now') - 2440587.5) * 86400.0"
     return float(connection.execute(text(f"SELECT {now}")).scalar_one())

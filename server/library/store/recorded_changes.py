@@ -1,7 +1,7 @@
-"""How the workers of one service on one SQLite database tell each other what they have changed in it.
+"""How the workers of one service on one SQLite database notify each other of changes.
 
 SQLite has no NOTIFY. Each worker's connection has temporary triggers that add a row to a table for each changed row;
-``PRAGMA data_version`` says whether another connection has written since, and the rows say what.
+``PRAGMA data_version`` shows whether another connection has written since, and the rows show what.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from sqlalchemy import Connection
 
 from server.library.store.announcing import ANNOUNCED
 
-KEPT = 4096  #: changes that are kept for workers that have yet to see them
+KEPT = 4096  #: changes kept for workers that have not seen them yet
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS recorded_changes
@@ -31,7 +31,7 @@ END
 
 
 def record_changes(connection: Connection) -> None:
-    """Have the changes by this connection recorded, for as long as it is open."""
+    """Record the changes by this connection, for as long as it is open."""
     connection.exec_driver_sql(_TABLE)
     for table, key in ANNOUNCED.items():
         for what, row in (("INSERT", "NEW"), ("UPDATE", "NEW"), ("DELETE", "OLD")):
@@ -40,7 +40,7 @@ def record_changes(connection: Connection) -> None:
 
 
 class RecordedChanges:
-    """What other processes have changed in the database at ``path``. Used from one thread at a time."""
+    """Changes of the database at ``path`` by other processes. Used from one thread at a time."""
 
     def __init__(self, path: Path) -> None:
         self._connection = sqlite3.connect(path, check_same_thread=False, isolation_level=None)
@@ -53,7 +53,7 @@ class RecordedChanges:
         self._connection.close()
 
     def new(self) -> Iterable[tuple[str, str]] | None:
-        """Return what has changed since the last call, as tables and keys; None: anything may have.
+        """Return the changes since the last call, as tables and keys; None: anything may have changed.
 
         Raises :class:`sqlite3.Error`.
         """

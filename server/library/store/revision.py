@@ -1,4 +1,4 @@
-"""The revision of the tables of a database of records, and the refusal of one that this program does not know."""
+"""The revision of a database's tables, and the refusal of unknown ones."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MIGRATIONS = Path(__file__).parent / "migrations"
 
 
 def alembic_config() -> Config:
-    """Return the place of the revisions."""
+    """Return alembic's configuration with the location of the revisions."""
     logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each plugin and each step
     from alembic.config import Config  # noqa: PLC0415 - start-up: mostly the revision is the newest
 
@@ -29,7 +29,7 @@ def alembic_config() -> Config:
 
 
 def known_revisions() -> Collection[str]:
-    """Return all revisions that this program can bring up to date."""
+    """Return all revisions that this program can upgrade."""
     config = alembic_config()
     from alembic.script import ScriptDirectory  # noqa: PLC0415 - start-up: as above
 
@@ -37,7 +37,7 @@ def known_revisions() -> Collection[str]:
 
 
 def refuse_unknown(version: str | None) -> None:
-    """Raise :class:`StorageError` for a revision that this program does not know, and for none."""
+    """Raise :class:`StorageError` for an unknown revision, and for None."""
     if version != HEAD and version not in known_revisions():
         raise StorageError(
             "library.newer",
@@ -47,13 +47,13 @@ def refuse_unknown(version: str | None) -> None:
 
 
 def refuse_newer_file(file: Path) -> None:
-    """Raise :class:`StorageError` for a file of SQLite with unknown tables, which is not changed, nor its journal.
+    """Raise :class:`StorageError` for an SQLite file with unknown tables. Neither it nor its journal is changed.
 
-    A journal (``-wal``) without its index (``-shm``) gets one, which stays: another program may be using it by then.
-    A file that cannot be read is left to those who open it.
+    A journal (``-wal``) without its index (``-shm``) gets one, which remains, because another program may be using it
+    by then. An unreadable file is left to those who open it.
     """
     journal = file.with_name(f"{file.name}-wal")
-    # Without a journal the file is whole; with one SQLite needs its index, which it makes beside it if it is not there.
+    # Without a journal the file is complete; with one SQLite needs its index, which it creates if it is missing.
     is_whole = not journal.exists() or journal.stat().st_size == 0
     place = f"{file.absolute().as_uri()}?mode=ro{'&immutable=1' if is_whole else ''}"
     version: tuple[str] | None = (HEAD,)

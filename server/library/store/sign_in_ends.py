@@ -1,6 +1,6 @@
-"""The sign-ins that were ended early, for all services that share a database.
+"""The sign-ins that ended early, for all services that share a database.
 
-A service that has its database for itself keeps them in a file of its data folder only.
+A service with its own database keeps them only in a file of its data folder.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from sqlalchemy import Connection, delete, insert, select
 from server.library.store.database import Database
 from server.library.store.tables import ended_sign_ins
 
-KEPT_S = 31 * 24 * 3600.0  #: no cookie is valid for so long
+KEPT_S = 31 * 24 * 3600.0  #: longer than the validity of any cookie
 
 
 class SignInEnds:
-    """Ended sign-ins by name, with the time at which each was given. ``take_over`` gets those of all services.
+    """Ended sign-ins by name, with their creation times. ``take_over`` is called with those of all services.
 
     Used from the event loop. All methods raise :class:`StorageError`.
     """
@@ -27,12 +27,12 @@ class SignInEnds:
         self.take_over: Callable[[Mapping[str, int]], None] = lambda _: None
 
     async def follow(self, _: object = None) -> None:
-        """Read what was ended."""
+        """Read the ended sign-ins."""
         if self._database.is_shared:
             self.take_over(await self._database.run(_load))
 
     async def put(self, ended: Mapping[str, int]) -> None:
-        """Tell all services of ends; those that they know are told again."""
+        """Publish ended sign-ins to all services, including already known ones."""
         if self._database.is_shared:
             await self._database.run(lambda connection: _put(connection, ended))
 

@@ -1,4 +1,4 @@
-"""The tables of the records, as the newest revision leaves them."""
+"""The tables of the records in the newest revision."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from sqlalchemy import (
 
 metadata = MetaData()
 
-#: One row for each uploaded log, and for each log of the folder of which is known what it holds.
+#: One row for each uploaded log, and for each log of the folder with known contents.
 logs = Table(
     "logs",
     metadata,
@@ -34,13 +34,13 @@ logs = Table(
     Column("used_s", Double, nullable=False),
     Column("error_code", String(64)),
     Column("error_message", Text),
-    Column("summary", Text),  # JSON; PostgreSQL's own type refuses what is infinite
+    Column("summary", Text),  # JSON; PostgreSQL's own type rejects infinite values
     Column("attempts", Integer, nullable=False, server_default="0"),
     Index("logs_by_owner", "owner"),
     Index("logs_by_sha256", "sha256"),
 )
 
-#: One row for each link that opens a view of a log and was not revoked. It goes with its log.
+#: One row for each unrevoked link to a view of a log. It is deleted with its log.
 links = Table(
     "links",
     metadata,
@@ -52,7 +52,7 @@ links = Table(
     Index("links_by_log_id", "log_id"),
 )
 
-#: One row for each trajectory that a visitor has added to a log. It goes with its log.
+#: One row for each trajectory that a visitor has added to a log. It is deleted with its log.
 trajectories = Table(
     "trajectories",
     metadata,
@@ -70,7 +70,7 @@ trajectories = Table(
     Index("trajectories_by_log_id", "log_id"),
 )
 
-#: One row for each tag that a visitor has given to a log. It goes with its log.
+#: One row for each tag that a visitor has given to a log. It is deleted with its log.
 log_tags = Table(
     "log_tags",
     metadata,
@@ -79,7 +79,7 @@ log_tags = Table(
     Column("tag", String(40), primary_key=True),
 )
 
-#: One row for each note on a log. It goes with its log.
+#: One row for each note on a log. It is deleted with its log.
 notes = Table(
     "notes",
     metadata,
@@ -98,8 +98,8 @@ notes = Table(
 )
 
 
-#: One row for the newest job of each kind of each visitor on a log, and its result. It goes with its log. Of a job that
-#: maps a log with many others the owner is that of the log, empty for those of the folder.
+#: One row for the newest job of each kind of each visitor on a log, and its result. It is deleted with its log. For a
+#: job that maps a log as one of many, the owner is that of the log, empty for those of the folder.
 jobs = Table(
     "jobs",
     metadata,
@@ -115,7 +115,7 @@ jobs = Table(
     Column("result", Text),  # JSON
 )
 
-#: One row for each puzzle that a visitor made. One of a log goes with it.
+#: One row for each visitor's puzzle. That of a log is deleted with it.
 puzzles = Table(
     "puzzles",
     metadata,
@@ -128,11 +128,11 @@ puzzles = Table(
     Index("puzzles_by_log_id", "log_id"),
 )
 
-#: One row: what tells the store of logs that the records belong to from every other.
+#: One row: the id of the store of logs to which the records belong.
 store = Table("store", metadata, Column("id", String(64), primary_key=True))
 
-#: One row for each job that one of several services does now: who does it, until when that counts without a renewal
-#: (seconds since 1970, of the database's clock), and how much of it is done. The name says which job.
+#: One row for each job that one of several services is doing: its holder, the expiry time without a renewal (seconds
+#: since 1970, of the database's clock), and its completed share. The name identifies the job.
 leases = Table(
     "leases",
     metadata,
@@ -142,7 +142,7 @@ leases = Table(
     Column("fraction", Double, nullable=False),
 )
 
-#: One row for each sign-in that was ended early, with the time at which it was given; ``*``: all up to that time.
+#: One row for each sign-in that ended early, with the time at which it was created; ``*``: all up to that time.
 ended_sign_ins = Table(
     "ended_sign_ins",
     metadata,
@@ -150,7 +150,7 @@ ended_sign_ins = Table(
     Column("given_s", BigInteger, nullable=False),
 )
 
-#: One row: the newest revision that was run. alembic makes this table as well and uses it.
+#: One row: the newest revision that was run. alembic also creates and uses this table.
 alembic_version = Table(
     "alembic_version",
     MetaData(),

@@ -1,7 +1,7 @@
-"""Receives uploads into the store of blobs, atomically, counting and digesting them on the way.
+"""Receives uploads into the store of blobs, atomically, counting and digesting them.
 
-An upload that names itself (by a key of the sender's choice) may come in parts: what came before a cut is kept for a
-while, and the next part goes on from there. One without a key is forgotten when it breaks off.
+An upload with a key, chosen by the sender, may come in parts: data before an interruption is kept for a while, and the
+next part continues it. One without a key is discarded when it is interrupted.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from mapper.core.errors import LimitError, MapperError, ReadError
 from server.library.store.blobs import Blobs, Incoming
 from server.storage import StorageError
 
-BATCH_BYTES = 1 << 20  #: bytes that go to the store at a time
-RESUMED = ("log.stalled", "library.busy")  #: errors after which the sender may go on with the upload
-KEEP_PARTIAL_S = 3600.0  #: seconds after its last byte at which a cut upload is forgotten
+BATCH_BYTES = 1 << 20  #: bytes written to the store at a time
+RESUMED = ("log.stalled", "library.busy")  #: errors after which the sender may continue the upload
+KEEP_PARTIAL_S = 3600.0  #: seconds after its last byte at which an interrupted upload is discarded
 MAX_PARTIALS_PER_OWNER = 4
 MAX_PARTIALS = 64
 
 
 class UploadOffsetError(MapperError):
-    """The part does not begin where the server's bytes end, or the same upload is coming in already."""
+    """The part does not begin where the received bytes end, or the same upload is already being received."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Part:
 
 @dataclass(slots=True)
 class Received:
-    """An upload that comes in, of ``total`` bytes where that is known."""
+    """An upload being received, of ``total`` bytes if that is known."""
 
     incoming: Incoming
     total: int | None = None
@@ -48,7 +48,7 @@ class Received:
 
     @property
     def size(self) -> int:
-        """Bytes that have come so far."""
+        """Number of bytes received so far."""
         return self.incoming.size
 
     async def write(self, data: bytes | bytearray) -> None:
@@ -73,17 +73,17 @@ class UploadReceiver:
 
     @property
     def reserved(self) -> int:
-        """Bytes that uploads which may go on take on the disk."""
+        """Disk space reserved for uploads that may continue, bytes."""
         return sum(upload.size for upload in self._partial.values())
 
     def offset(self, owner: str, key: str) -> int:
-        """Return how many bytes of an upload have come; 0 for an unknown one."""
+        """Return the number of received bytes of an upload; 0 for an unknown one."""
         self._forget_old()
         known = self._partial.get((owner, key))
         return 0 if known is None else known.size
 
     def forget(self, owner: str, key: str) -> None:
-        """Forget an upload: at once, or when the part of it ends that is coming in."""
+        """Discard an upload, immediately or at the end of the part being received."""
         known = self._partial.get((owner, key))
         if known is not None and known.busy:
             known.is_given_up = True
@@ -91,7 +91,7 @@ class UploadReceiver:
             self._forget((owner, key))
 
     async def close(self) -> None:
-        """Forget every cut upload."""
+        """Discard all interrupted uploads."""
         for name in list(self._partial):
             self._forget(name)
         await asyncio.gather(*self._leaving)
@@ -100,12 +100,11 @@ class UploadReceiver:
     async def receive(
         self, owner: str, chunks: AsyncIterator[bytes], part: Part | None = None
     ) -> AsyncIterator[Received | None]:
-        """Take ``chunks`` in and hand the whole upload over, or None while parts of it are missing.
+        """Receive ``chunks`` and yield the complete upload, or None while parts of it are missing.
 
-        On leaving with a whole one it was given its place, or is gone. Raises :class:`UploadOffsetError`;
-        :class:`LimitError` as soon as there is more than there may be, and as the chunks do;
-        :class:`StorageError` where the store refuses; and :class:`ReadError` for an upload without a byte, or one with
-        more bytes than it said.
+        At the end of the block, a complete upload has been stored or is discarded. Raises :class:`UploadOffsetError`;
+        :class:`LimitError` as soon as there is more than allowed, and like the chunks; :class:`StorageError` if the
+        store fails; and :class:`ReadError` for an empty upload, or one with more bytes than stated.
         """
         self._forget_old()
         upload = self._begin(owner, part)
@@ -118,7 +117,7 @@ class UploadReceiver:
                 raise ReadError("log.empty", "The upload is empty.")
             yield upload if finished else None
         except LimitError as error:
-            finished = finished or error.code not in RESUMED  # nothing else gets better by going on
+            finished = finished or error.code not in RESUMED  # other errors would recur
             raise
         except (ReadError, StorageError):
             finished = True
@@ -139,7 +138,7 @@ class UploadReceiver:
         if known is not None and known.busy:
             raise UploadOffsetError("upload.busy", "This upload is already being received over another connection.")
         if known is not None and (part.start == 0 or known.total != part.total):
-            self._forget(name)  # the sender begins again
+            self._forget(name)  # the sender starts again
             known = None
         have = 0 if known is None else known.size
         if part.start != have:
@@ -153,7 +152,7 @@ class UploadReceiver:
         return known
 
     def _make_room(self, names: list[tuple[str, str]], most: int) -> None:
-        """Forget the cut upload that has waited longest where there are as many as there may be."""
+        """Discard the longest-waiting interrupted upload if there are as many as allowed."""
         if len(names) < most:
             return
         waiting = [name for name in names if not self._partial[name].busy]
@@ -162,7 +161,7 @@ class UploadReceiver:
         self._forget(min(waiting, key=lambda name: self._partial[name].touched_s))
 
     async def _take(self, upload: Received, chunks: AsyncIterator[bytes]) -> None:
-        """Append the chunks; after a cut, too, all that came is taken in."""
+        """Append the chunks; after an interruption, everything received before it too."""
         batch = bytearray()
         try:
             async for chunk in chunks:

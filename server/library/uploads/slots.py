@@ -1,4 +1,4 @@
-"""Limits on concurrent uploads, and which upload is cancelled when others wait.
+"""Limits on concurrent uploads, and the choice of the upload to cancel when others wait.
 
 The speed of an upload is bytes per second of waiting for data; time spent in the store does not count. An upload that
 is too slow is cancelled. While others wait for a slot, the limit is higher, and uploads of the address with the most
@@ -33,7 +33,7 @@ class UploadSlot:
         self._idle_s = idle_s
         self._clock = asyncio.get_running_loop().time
         self._limit: asyncio.Timeout | None = None  #: of the current wait for data
-        self._since_s = 0.0  #: when it began
+        self._since_s = 0.0  #: start of that wait
         self._waited_s, self._bytes = 0.0, 0  #: since the speed was last measured
         self._speed = math.inf
 
@@ -43,7 +43,7 @@ class UploadSlot:
         return self._bytes / waited if waited >= MEASURED_S else self._speed
 
     def give_up(self) -> None:
-        """Cancel the upload: :meth:`read` raises as soon as it can."""
+        """Cancel the upload: :meth:`read` raises as soon as possible."""
         self.is_given_up = True
         if self._limit is not None and not self._limit.expired():
             self._limit.reschedule(self._clock())
@@ -138,12 +138,12 @@ class UploadSlots:
                 self._all_free.set()
 
     async def close(self) -> None:
-        """Refuse every further upload, and wait until all that are under way have ended."""
+        """Refuse all further uploads, and wait until the running ones have ended."""
         self._is_closed = True
         await self._all_free.wait()
 
     def _share_out(self) -> None:
-        """Give free slots to waiting uploads, fewest of an address first; cancel slow uploads for the rest."""
+        """Give free slots to waiting uploads, fewest of an address first; for the rest, cancel slow uploads."""
         uploads = Counter(slot.address for slot in self._taken)
         for waiting in sorted(self._waiting, key=lambda slot: uploads[slot.address]):
             if len(self._taken) < self._most:
@@ -160,7 +160,7 @@ class UploadSlots:
             self._timer = asyncio.get_running_loop().call_later(LOOK_EVERY_S, self._look)
 
     def _makes_room(self, slot: UploadSlot, newcomers: int, uploads: Counter[str]) -> bool:
-        """Return whether an upload is cancelled for one from an address that has ``newcomers`` uploads."""
+        """Return whether to cancel an upload for one from an address with ``newcomers`` uploads."""
         if slot.is_given_up:
             return False
         speed = slot.speed()

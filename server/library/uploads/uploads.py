@@ -1,4 +1,4 @@
-"""Uploads on their way in: the limits of each visitor, the parts, and the record of what has arrived."""
+"""Uploads being received: the limits of each visitor, the parts, and the record of the received data."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Sender:
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """Description of an upload by its sender: the log's name, and if stated the total of bytes and their digest.
+    """Description of an upload by its sender: the log's name, and optionally the total size and the digest.
 
-    ``part`` says which part of the whole is sent, None: all of it.
+    ``part`` is the part of the whole that is sent, None: all of it.
     """
 
     name: str
@@ -54,11 +54,12 @@ class Uploads:
         self._catalogue, self._receiver, self._jobs, self._places = catalogue, receiver, jobs, places
 
     async def receive(self, sender: Sender, declared: Declared, chunks: AsyncIterator[bytes]) -> Record | None:
-        """Store an upload or a part of one; return the record of the whole, None where parts are missing yet.
+        """Store an upload or a part of one; return the record of the complete upload, None while parts are missing.
 
-        Bytes that the owner has uploaded before give the record that is there. Raises :class:`LimitError` for an upload
-        over a cap, :class:`ReadError` for an empty one and for one of another digest than stated,
-        :class:`UploadOffsetError` for a part from another place, and :class:`StorageError`; nothing is left of it then.
+        If the owner has uploaded the same bytes before, returns the existing record. Raises :class:`LimitError` for an
+        upload over a cap, :class:`ReadError` for an empty one and for one with another digest than stated,
+        :class:`UploadOffsetError` for a part with another offset, and :class:`StorageError`; the upload is then
+        discarded.
         """
         self._check_limits(sender.owner, declared)
         async with (

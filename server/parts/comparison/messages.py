@@ -1,4 +1,4 @@
-"""The message of a comparison, as the stream has it."""
+"""The stream's message about a comparison."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from server.stream.message_parts import Numbers
 
 
 class ComparisonMessage(Struct, tag_field="type", tag="comparison"):
-    """Log sessions: comparison of the map, B, with the second map, A. Both fields null: there is no comparison."""
+    """Log sessions: comparison of the map, B, with the second map, A. Both fields are null without a comparison."""
 
     index: Annotated[int, Meta(description="scans in the map")]
     refused: Annotated[str | None, Meta(description="reason why the maps cannot be compared, one sentence")]

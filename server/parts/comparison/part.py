@@ -61,21 +61,21 @@ class LogComparison(Part, Comparable):
         self._host, self._recording, self._message = host, recording, message
         self._other: SecondMapView | None = None
         self._layer: GridLayer | None = None
-        self._request = 0  #: number of the newest request to compare: only that one is carried out
+        self._request = 0  #: number of the newest request to compare; older ones are dropped
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
     async def compare(self, requested: MapRequest | None) -> None:
         """Compare with another map, which replaces the previous one; None ends the comparison.
 
-        Raises :class:`MapperError` if the other map cannot be made or another one was requested meanwhile; the
-        previous comparison continues then.
+        Raises :class:`MapperError` if the other map cannot be computed or another one was requested in the meantime;
+        the previous comparison then continues.
         """
         self._request += 1
         request = self._request
         other = None
         if requested is not None:
-            # Made while the session runs; _replace applies what has changed meanwhile.
+            # Computed while the session runs; _replace applies what has changed in the meantime.
             other = await self._host.on_thread(partial(self._second_view, requested, request))
         async with self._host.locked():
             if request != self._request or self._host.closed:
@@ -91,7 +91,7 @@ class LogComparison(Part, Comparable):
             return other.description(), result
 
     def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
-        """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""
+        """Return the maps A and B, to be read while the session is locked. Raises like :meth:`compared`."""
         other, grid = self._compared_with(), self._recording.replay.grid
         other.check_lattice(grid)
         return other.replay.grid, grid
@@ -128,7 +128,7 @@ class LogComparison(Part, Comparable):
         return self._other is not None and self._other.is_new
 
     def explained(self) -> list[ExplainedMap]:
-        """Return A for questions about its cells."""
+        """Return A as a map whose cells can be explained."""
         other, layer = self._other, self._layer
         if other is None or layer is None:
             return []
@@ -168,7 +168,7 @@ class LogComparison(Part, Comparable):
         return result
 
     def remake(self, before: MappingConfig, config: MappingConfig, result: TickResult) -> None:
-        """Recompute both maps with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
+        """Recompute both maps with other parameters, or neither. Raises like :meth:`Replay.reconfigure`."""
         other = self._other
         if other is not None:
             other.reconfigure(config)
@@ -180,13 +180,13 @@ class LogComparison(Part, Comparable):
             raise
 
     def update_log(self, log: ScanLog) -> None:
-        """Go on with the session's ``log``, the same scans with other trajectories. Raises as :class:`Replay` does."""
+        """Continue with ``log``, the session's scans with other trajectories. Raises like :class:`Replay`."""
         if self._other is not None:
             self._other.update_log(log)
 
     def end(self, result: TickResult) -> None:
-        """End the comparison, if there is one."""
-        self._request += 1  # one that is being prepared is of the log from before
+        """End the comparison, if any."""
+        self._request += 1  # a comparison being prepared uses the previous log
         if self._other is not None:
             self._other = self._layer = None
             result.slot(comparison_message(self._recording.replay.index))
@@ -229,7 +229,7 @@ class SecondMapView:
         limits: Limits,
         is_wanted: Callable[[], bool],
     ) -> None:
-        """Make the map (worker thread). Raises as :class:`Replay` does."""
+        """Compute the map (worker thread). Raises like :class:`Replay`."""
         self._wanted = requested
         self._follows = requested.log is None
         self._limits = limits
@@ -238,11 +238,11 @@ class SecondMapView:
         self.replay.may_continue = is_wanted
         self.replay.advance_to(own.index if self._follows else log.n_scans)
         self.second = SecondMap(requested.values, True, self.replay.config, self.replay.grid)
-        self.is_new = True  #: whether one of the two maps has changed since they were last compared
+        self.is_new = True  #: whether one of the two maps has changed since the last comparison
         self._recorded = recorded_seconds(log)
 
     def description(self) -> Compared:
-        """The description of the map: ``compare`` of a ``parameters`` message."""
+        """Description of the map: ``compare`` of a ``parameters`` message."""
         requested = self._wanted
         return Compared(
             values=requested.values,
@@ -254,7 +254,7 @@ class SecondMapView:
         )
 
     def reconfigure(self, config: MappingConfig) -> None:
-        """Recompute the map with the session's parameters, except its own. Raises as :meth:`Replay.reconfigure`."""
+        """Recompute the map with the session's parameters, except its own. Raises like :meth:`Replay.reconfigure`."""
         beside = self.second.config_for(config)
         if beside != self.replay.config:
             self.replay.reconfigure(beside)
@@ -272,12 +272,12 @@ class SecondMapView:
             self.second.begin(self.replay.config, self.replay.grid)
 
     def update_log(self, log: ScanLog) -> None:
-        """Go on with the session's ``log``, the same scans with other trajectories. Raises as :class:`Replay` does."""
+        """Continue with ``log``, the session's scans with other trajectories. Raises like :class:`Replay`."""
         old = self.replay
         if not self._follows or (old.trajectory in log.trajectories and old.adopt(log)):
             return
         if old.trajectory not in log.trajectories:
-            return  # it was deleted: this map goes on with it
+            return  # it was deleted; this map continues with it
         replay = Replay(log, old.config, old.trajectory, self._limits)
         replay.may_continue = old.may_continue
         replay.advance_to(old.index)
@@ -285,7 +285,7 @@ class SecondMapView:
         self.second.begin(replay.config, replay.grid)
 
     def sources(self) -> list[MappedScans]:
-        """The scans that are in the map."""
+        """Return the scans in the map."""
         return [MappedScans(self.replay.log, self.replay.trajectory, self.replay.index, self._recorded)]
 
     def compared(self, grid: OccupancyGrid) -> Comparison:
@@ -302,7 +302,7 @@ class SecondMapView:
 
 
 def lattice_error(a: OccupancyGrid, b: OccupancyGrid, error: MapperError) -> str:
-    """Return in one sentence why two maps cannot be compared cell by cell."""
+    """Return one sentence that explains why two maps cannot be compared cell by cell."""
     sizes = a.geometry.resolution, b.geometry.resolution
     if sizes[0] != sizes[1]:
         return f"A has cells of {sizes[0]:g} m and B of {sizes[1]:g} m: the cells do not coincide."

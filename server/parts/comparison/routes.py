@@ -43,7 +43,7 @@ class ComparedMap(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class SecondMap:
-    """Map A: the parameters in which it differs from the session's, its trajectory, and its log, null for the same."""
+    """Map A: the parameters in which it differs from the session's, its trajectory, and its log (null: the same)."""
 
     values: Values
     with_faults: bool
@@ -55,7 +55,7 @@ class SecondMap:
 
 @dataclass(frozen=True, slots=True)
 class RefusedComparison:
-    """Two maps that are both shown, and why their cells cannot be compared."""
+    """Two maps that are both shown, and the reason why their cells cannot be compared."""
 
     a: SecondMap | None
     refused: str
@@ -63,7 +63,7 @@ class RefusedComparison:
 
 @dataclass(frozen=True, slots=True)
 class ComparisonAnswer:
-    """The numbers of a comparison, see :class:`mapper.grid.compare.Comparison`; pairs are of A and B."""
+    """The numbers of a comparison, see :class:`mapper.grid.compare.Comparison`. Pairs are (A, B)."""
 
     a: SecondMap | None
     refused: None
@@ -104,7 +104,7 @@ async def begin(
     try:
         return await _comparison(comparison)
     except MapperError as error:
-        # Both maps are still shown, without a comparison of cells.
+        # Both maps are still shown, without comparing their cells.
         return RefusedComparison(_second(comparison.description()), error.message)
 
 

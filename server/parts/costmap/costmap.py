@@ -1,4 +1,4 @@
-"""The layers of costs over a map: they follow the map, the scans and what a visitor paints."""
+"""The layers of costs over a map. They follow the map, the scans and what a visitor paints."""
 
 from __future__ import annotations
 
@@ -37,21 +37,21 @@ from server.sessions.parts import LayerCosts
 from server.stream.grid_layer import GridLayer
 from server.stream.layers import Layer
 
-_ZONES = "map_keepout"  #: name of the keepout zones of a map that was given
+_ZONES = "map_keepout"  #: name of the keepout zones of a loaded map
 
 
 class Costmap:
-    """Layers of costs over the map of a session, or over a plan; each is a grid of the session.
+    """Layers of costs over the map of a session, or over a plan. Each is a grid of the session.
 
-    :meth:`follow` takes over what changed in the map, :meth:`look` a scan, :meth:`change` other parameters and
-    :meth:`paint` the keepout zones; :meth:`update` brings the costs up to date.
+    :meth:`follow` applies changes of the map, :meth:`look` a scan, :meth:`change` other parameters and :meth:`paint`
+    the keepout zones; :meth:`update` brings the costs up to date.
     """
 
     def __init__(
         self, grid: OccupancyGrid, plan: Callable[[str], StaticMap | None], parameters: CostmapParameters
     ) -> None:
-        """Lay layers over ``grid``, or over the plan that ``plan`` returns for the parameter ``map``, if any."""
-        self.revision = 0  #: another number when costs or parameters have changed
+        """Create layers over ``grid``, or over the plan that ``plan`` returns for the parameter ``map``, if any."""
+        self.revision = 0  #: changes with the costs and the parameters
         self._plan = plan(parameters.values["map"])
         self.parameters = parameters
         self.strokes: tuple[Stroke, ...] = ()
@@ -64,7 +64,7 @@ class Costmap:
         self.begin(grid)
 
     def begin(self, grid: OccupancyGrid) -> None:
-        """Make all layers again over the present map; what was painted stays."""
+        """Recreate all layers over the current map. Painted zones are kept."""
         map_ = grid if self._plan is None else self._plan.grid
         self.geometry = map_.geometry
         self._values = map_.classify()
@@ -84,7 +84,7 @@ class Costmap:
         self._show_speed()
 
     def _stack(self, observed: Sequence[ObservedLayer]) -> None:
-        """Lay all layers over each other; those that were ``observed`` keep what they saw."""
+        """Stack all layers. Those in ``observed`` keep their marks."""
         parameters = self.parameters
         stack, masks, is_painted = parameters.stack, {}, parameters.is_on("keepout_filter")
         if self._zones is not None and is_painted:
@@ -105,23 +105,23 @@ class Costmap:
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The costs, each layer's own, that of a terrain only with one, and the speed limits."""
+        """The costs, the layers' own costs (those of a terrain only if there is one), and the speed limits."""
         sheets = [sheet for name, sheet in self._sheets.items() if name != "terrain_layer" or self._terrain is not None]
         return (self._master, *sheets, self._limits)
 
     @property
     def cells(self) -> int:
-        """Cells of the grids that it holds."""
+        """Number of cells of its grids."""
         return (20 + 3 * len(self._built.layers)) * self.geometry.rows * self.geometry.cols
 
     @property
     def blind(self) -> list[str]:
-        """The names of the layers of obstacles whose sources see no scans."""
+        """The names of the obstacle layers without a source of scans."""
         layers = zip(self._built.observed, self._built.obstacles, strict=True)
         return [name for name, layer in layers if layer.config.sources and not layer.config.sources_of_scans()]
 
     def with_other_topics(self, topics: Sequence[str]) -> list[str]:
-        """Return the names of the layers of obstacles whose sources see scans, but of none of these topics."""
+        """Return the names of the obstacle layers whose sources use scans, but none of these topics."""
         layers = zip(self._built.observed, self._built.obstacles, strict=True)
         seeing = [(name, layer.config) for name, layer in layers if layer.config.sources]
         return [name for name, config in seeing if config.sources_of_scans() and not config.has_topic_of(topics)]
@@ -147,7 +147,7 @@ class Costmap:
         return self.parameters.outline.circumscribed_radius
 
     def follow(self, grid: OccupancyGrid, box: CellBox | None, *, whole: bool) -> None:
-        """Take over what changed in the map: in a box, or the ``whole`` of it."""
+        """Apply changes of the map: in a box, or in the ``whole`` map."""
         if self._plan is not None or not (whole or box):
             return
         if grid.geometry != self.geometry:
@@ -163,13 +163,16 @@ class Costmap:
     def look(
         self, scan: RangeScan, sensor_pose: PoseTuple | Float64Array, topic: str = "", topics: Sequence[str] = ()
     ) -> None:
-        """Mark and clear by a scan, in the layers of obstacles; it is of a ``topic``, of all ``topics`` of scans."""
+        """Mark and clear with a scan in the obstacle layers.
+
+        ``topic`` is the topic of the scan, ``topics`` are all topics of scans.
+        """
         for layer in self._built.obstacles:
             config = layer.config
             seen = []
             for name in config.sources_of_scans(topic, topics):
                 source = config.source(name)
-                # How high the sensor is is not known: its scans are within the heights that are looked at.
+                # The height of the sensor is unknown, so its scans are assumed to be within the observed heights.
                 least = max(0.0, source.min_obstacle_height, config.min_obstacle_height)
                 height = min(least, source.max_obstacle_height, config.max_obstacle_height)
                 observation = observation_of_scan(scan, sensor_pose, inf_is_valid=source.inf_is_valid, height=height)
@@ -177,7 +180,7 @@ class Costmap:
             layer.observe(*seen)
 
     def lay_terrain(self, terrain: LayerCosts | None) -> None:
-        """Take other costs for the terrain's layer; None for none."""
+        """Use other costs for the terrain layer; None for none."""
         self._terrain = terrain
         if terrain is None:
             self._graded.set(np.full(self.geometry.shape, NO_INFORMATION, dtype=np.uint8))
@@ -185,7 +188,7 @@ class Costmap:
             self._graded.take(terrain.costs(), terrain.geometry)
 
     def _why_terrain(self, row: int, col: int) -> str:
-        """Say what the patch at a cell of the costmap is."""
+        """Return one sentence about the terrain patch at a cell of the costmap."""
         if self._terrain is None:
             return "There is no terrain: begin it in the group Terrain."
         geometry = self._terrain.geometry
@@ -195,14 +198,14 @@ class Costmap:
         return self._terrain.why(at_row, at_col)
 
     def renew_plan(self, plan: StaticMap | None, grid: OccupancyGrid) -> None:
-        """Use another map in the place of the belief."""
+        """Use another map instead of the belief."""
         self._plan = plan
         self.begin(grid)
 
     def change(
         self, parameters: CostmapParameters, grid: OccupancyGrid, plan: Callable[[str], StaticMap | None]
     ) -> None:
-        """Use other parameters. Raises :class:`MapperError`, and nothing has changed then."""
+        """Use other parameters. If it raises :class:`MapperError`, nothing has changed."""
         before, old_plan, geometry = self.parameters, self._plan, self.geometry
         try:
             self.parameters = parameters
@@ -224,7 +227,7 @@ class Costmap:
             raise
 
     def paint(self, strokes: tuple[Stroke, ...]) -> None:
-        """Paint zones; the strokes replace those before. A stroke that only grew is painted on."""
+        """Paint zones. The strokes replace the previous ones; a stroke that only grew is continued."""
         known = len(self.strokes)
         grows = bool(known) and len(strokes) >= known and strokes[: known - 1] == self.strokes[:-1]
         grows = grows and strokes[known - 1].continues(self.strokes[-1])
@@ -270,30 +273,30 @@ class Costmap:
         return True
 
     def recorded(self, seconds: float, frame: str | None) -> RecordedCostmap:
-        """Return a copy of the costs as a message of a recording has them."""
+        """Return a copy of the costs in the form of a recorded message."""
         stamp_ns = max(round(seconds * 1e9), 0)
         return RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", self.geometry, self.costs.copy())
 
     @property
     def masks(self) -> dict[str, Int8Array]:
-        """Copies of the painted masks (rows, cols): ``keepout``, −1 for none, and ``speed``, 0 for none."""
+        """Copies of the painted masks (rows, cols): ``keepout`` (−1: unpainted) and ``speed`` (0: unpainted)."""
         painted = {"keepout": (self._keepout.mask, -1), "speed": (self._speed.mask, 0)}
         return {name: mask.copy() for name, (mask, none) in painted.items() if (mask > none).any()}
 
     def speed_limit(self, pose: PoseTuple) -> SpeedLimit | None:
-        """Return the speed limit of the robot at ``pose``; None where speed limits are off."""
+        """Return the speed limit of a robot at ``pose``; None if speed limits are off."""
         return self._speed.at(pose[0], pose[1]) if self.parameters.is_on("speed_filter") else None
 
     @property
     def speed_filters(self) -> tuple[SpeedFilter, ...]:
-        """The speed filter; none where speed limits are off."""
+        """The speed filter; empty if speed limits are off."""
         return (self._speed.filter,) if self.parameters.is_on("speed_filter") else ()
 
     def why_speed(self, x: float, y: float) -> str | None:
-        """Return which speed limit is painted at (x, y), metres, in one sentence; None for none."""
+        """Return one sentence about the speed limit that is painted at (x, y), metres; None if there is none."""
         return self._speed.why(x, y) if self.parameters.is_on("speed_filter") else None
 
     def why(self, x: float, y: float) -> list[CellReason]:
-        """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""
+        """Return what each layer contributes to the cell at (x, y), metres. Raises :class:`ConfigError` if outside."""
         row, col = (int(k) for k in self.geometry.world_to_cell((x, y)))
         return self.costmap.why(row, col)

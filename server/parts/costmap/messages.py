@@ -1,4 +1,4 @@
-"""The commands and the messages of a costmap, as the stream has them."""
+"""The stream's commands and messages of a costmap."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from server.stream.message_parts import BrushStroke, LayerCost, Number, Point, U
 
 
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
-    """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
+    """Simulations and logs: begin a costmap over the robot's map, change it, or end it. Omitted fields are kept."""
 
     value: Annotated[bool | UnsetType, Meta(description="false: end it")] = UNSET
     values: Annotated[UncheckedValues, Meta(description="navigation parameters to change")] = {}

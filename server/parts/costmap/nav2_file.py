@@ -1,4 +1,4 @@
-"""A Nav2 parameter file that was loaded, in which some parameters are changed: all else in it stays as it is."""
+"""A loaded Nav2 parameter file of which some parameters are changed. Everything else in it is preserved."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ from mapper.io.ros_parameters import find_node, with_node
 from mapper.planning.nav2_parameters import CONTROLLER, Nav2Path, nav2_path_yaml, path_of
 from mapper.planning.nav2_parameters import NODE as PLANNER
 
-#: Parameters of the table, by the table's name of the layer that has them.
+#: Parameters of the table, by the table's name of their layer.
 PARAMETERS: Mapping[str, Sequence[str]] = {
     "obstacle_layer": ("clearing", "obstacle_max_range"),
     "dynamic_layer": ("lifetime",),
     "inflation_layer": ("inflation_radius", "cost_scaling_factor"),
 }
-CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2's defaults have it
+CLEARED_BEYOND_M = 0.5  #: distance by which beams clear farther than they mark, as in Nav2's defaults
 _OF_FILTERS = {"keepout": "keepout_filter", "speed": "speed_filter"}
 
 
 def table_name(config: LayerConfig) -> str | None:
-    """Return the table's name of the layers that have such parameters; None for one that the table lacks."""
+    """Return the table's name of layers with such parameters; None if the table has no such layer."""
     kinds: tuple[tuple[type, str], ...] = (
         (StaticConfig, "static_layer"),
         (DecayConfig, "dynamic_layer"),
@@ -50,13 +50,13 @@ def table_name(config: LayerConfig) -> str | None:
 
 
 def source_of_scans(config: ObstacleConfig) -> SourceConfig | None:
-    """Return the parameters of the first source that sees a lidar's scans; None where only others see something."""
+    """Return the parameters of the first source that uses a lidar's scans; None if there is none."""
     names = config.sources_of_scans()
     return config.source(names[0]) if names else None
 
 
 class _Plain(yaml.SafeDumper):
-    """Writes a part that occurs twice twice: the parameter reader of ROS 2 refuses aliases."""
+    """Writes a repeated value in full each time, because the parameter reader of ROS 2 rejects aliases."""
 
     def ignore_aliases(self, data: object) -> bool:
         del data
@@ -73,8 +73,8 @@ class Nav2File:
     def changed(self, changes: Mapping[str, Any], footprint: Footprint | None) -> Nav2File:
         """Return the file with other values of the table, by their names there, and another footprint if one is given.
 
-        A layer that is switched on and that the file lacks is added. Raises :class:`ConfigError` for a value that the
-        file cannot have.
+        A layer that is switched on and missing in the file is added. Raises :class:`ConfigError` for a value that the
+        file cannot hold.
         """
         parameters = self._parameters()
         if "track_unknown_space" in changes:
@@ -97,7 +97,7 @@ class Nav2File:
         return self._with(parameters)
 
     def yaml(self, filters: Sequence[NamedFilter], path: Nav2Path) -> str:
-        """Return the file with painted ``filters`` too, and the planner and the follower where they are others."""
+        """Return the file, including painted ``filters``, and the planner and the follower if they were changed."""
         parameters = self._parameters()
         servers: dict[str, Any] = {}
         for filter_ in filters:
@@ -114,7 +114,7 @@ class Nav2File:
         return yaml.dump(root, Dumper=_Plain, sort_keys=False, default_flow_style=None)
 
     def _parameters(self) -> dict[str, Any]:
-        """Return a copy of the costmap's parameters, with a level for each dot in their names."""
+        """Return a copy of the costmap's parameters, with a nested mapping for each dot in their names."""
         node = find_node(self.root, (self.costmap.node,), COSTMAP)
         return {} if node is None else copy.deepcopy(node[1])
 
@@ -135,7 +135,7 @@ class Nav2File:
         )  # of Eloquent
         types = types or {name: f"nav2_costmap_2d::{plugin}" for name, plugin in DEFAULT_LAYERS.items()}
         plugins = list(parameters.get("plugins", types))
-        for named in [plugin for plugin in plugins if plugin in types]:  # known by its name in that list alone
+        for named in [plugin for plugin in plugins if plugin in types]:  # these layers are identified only by that list
             parameters[named] = {"plugin": types[named]} | (parameters.get(named) or {})
         places = {"static_layer": 0, "inflation_layer": len(plugins)}
         last = plugins.index(inflations[0]) if inflations else len(plugins)
@@ -144,7 +144,7 @@ class Nav2File:
 
 
 def _blocks(costmap: Nav2Costmap, parameters: dict[str, Any]) -> Iterator[tuple[NamedLayer, dict[str, Any]]]:
-    """Yield each layer, those in containers too, with its block in the parameters; one is made where there is none."""
+    """Yield each layer, including those in containers, with its parameter block, which is created if missing."""
     for layer in costmap.layers:
         block = parameters[layer.name] = parameters.get(layer.name) or {}
         yield layer, block
@@ -161,7 +161,7 @@ def _filter_blocks(costmap: Nav2Costmap, parameters: dict[str, Any]) -> Iterator
 
 
 def _change(config: LayerConfig, kind: str, block: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Write the changes that concern a layer into its block, those of readings into each of its sources."""
+    """Write a layer's changes into its block; changes that concern readings go into each of its sources."""
     if kind in changes:
         block["enabled"] = changes[kind]
     values = {name: changes[name] for name in PARAMETERS.get(kind, ()) if name in changes}

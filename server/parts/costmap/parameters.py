@@ -1,4 +1,4 @@
-"""The parameters of the costmap, the planner and the follower: rows of their tables, in one table with flat names."""
+"""The parameters of the costmap, the planner and the follower, as one table with flat names."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ SPEED_LIMITS = ("percentage", "absolute")
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "terrain_layer", "keepout_filter", "inflation_layer")
 IN_NAV2 = ("static_layer", "obstacle_layer", "terrain_layer", "inflation_layer")  #: layers that a Nav2 file has
 MAPS = ("belief", "plan", "map_3d", "terrain", "given")
-OF_THE_FOLLOWER = ("desired_linear_vel", "lookahead_dist")  #: without effect where nothing drives
+OF_THE_FOLLOWER = ("desired_linear_vel", "lookahead_dist")  #: without effect if nothing drives
 
 TABLE: tuple[Parameter, ...] = (
     _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
@@ -84,7 +84,7 @@ TABLE: tuple[Parameter, ...] = (
 
 
 def rows_with(maps: Mapping[str, str], without: tuple[str, ...] = ()) -> list[ParameterRow]:
-    """Return the table for pages, without some rows, and with ``maps`` for the static layer: their titles by name."""
+    """Return the table for pages without some rows. ``maps`` are the titles, by name, of the static layer's maps."""
     *most, last = maps.values()
     sentence = f"Which map the static layer has: {', '.join(most)} or {last}." if most else f"The map: {last}."
     rows = [replace(row, choices=(*maps,), sentence=sentence) if row.name == "map" else row for row in TABLE]
@@ -94,17 +94,17 @@ def rows_with(maps: Mapping[str, str], without: tuple[str, ...] = ()) -> list[Pa
 _ROWS = {row.name: row for row in TABLE}
 INITIAL: Mapping[str, Any] = {row.name: row.initial for row in TABLE}
 
-MOST_CORNERS = 24  #: of a footprint here
+MOST_CORNERS = 24  #: maximum for a footprint here
 _OF_PLANNER, _OF_PURSUIT = ("use_astar", "allow_unknown", "tolerance"), OF_THE_FOLLOWER
 PAGE_ONLY = ("dynamic_layer", "terrain_layer")  #: layers of the page that a loaded file may lack
 
 
 @dataclass(frozen=True, slots=True)
 class LoadedFile:
-    """A Nav2 parameter file that was loaded, ``first`` as it was and ``now`` with what was changed since.
+    """A loaded Nav2 parameter file: ``first`` as loaded and ``now`` with the changes since.
 
-    ``values`` and ``footprint`` are those that it set at first: a value beyond the bounds of the table is the nearest
-    one in them, and counts as it is in the file until it is changed. ``path`` is its planner and its follower.
+    ``values`` and ``footprint`` are those that loading it set. A value beyond the bounds of the table is shown as the
+    nearest allowed one, and keeps the file's value until it is changed. ``path`` has its planner and its follower.
     """
 
     first: Nav2File
@@ -114,7 +114,7 @@ class LoadedFile:
     path: Nav2Path
 
     def changed(self, values: Mapping[str, Any], footprint: Footprint) -> LoadedFile:
-        """Return the file with the present values of the table and the present footprint."""
+        """Return the file with the current values of the table and the current footprint."""
         changes = {name: value for name, value in values.items() if value != self.values.get(name, value)}
         outline = None if footprint == self.footprint else footprint
         return replace(self, now=self.first.changed(changes, outline) if changes or outline else self.first)
@@ -122,9 +122,9 @@ class LoadedFile:
 
 @dataclass(frozen=True, slots=True)
 class CostmapParameters:
-    """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse.
+    """The current values and the outline of the robot. Raises :class:`ConfigError` if the tables reject them.
 
-    ``loaded`` is the Nav2 file that was loaded, if any: its layers are in the place of the table's own.
+    ``loaded`` is the loaded Nav2 file, if any. Its layers replace the table's own.
     """
 
     values: Mapping[str, Any] = field(default_factory=lambda: dict(INITIAL))
@@ -132,7 +132,7 @@ class CostmapParameters:
     loaded: LoadedFile | None = None
 
     def with_values(self, values: Mapping[str, Any], footprint: Footprint | None = None) -> CostmapParameters:
-        """Return the parameters with other values, and another footprint if one is given; the rest stays."""
+        """Return the parameters with other values, and another footprint if one is given."""
         check_names(values, TABLE, "navigation parameter")
         present = {**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}}
         outline = footprint or self.footprint
@@ -140,7 +140,7 @@ class CostmapParameters:
         return CostmapParameters(present, outline, loaded)
 
     def is_on(self, layer: str) -> bool:
-        """Whether a layer is used."""
+        """Return whether a layer is used."""
         return bool(self.values[layer])
 
     @property
@@ -163,7 +163,7 @@ class CostmapParameters:
         )
 
     def _of_readings(self) -> dict[str, Any]:
-        """Return the parameters of the layers that see scans."""
+        """Return the parameters of the layers that use scans."""
         farthest = self.values["obstacle_max_range"]
         return {
             "clearing": self.values["clearing"],
@@ -192,7 +192,7 @@ class CostmapParameters:
 
     @property
     def stack(self) -> Nav2Costmap:
-        """The costmap with all layers: those of the loaded file and, below its inflation, what that file lacks."""
+        """The costmap with all layers: those of the loaded file and, below its inflation, those that the file lacks."""
         own = self._own
         if self.loaded is None:
             layers = tuple(NamedLayer(name, config) for name, config in own.items())
@@ -217,15 +217,15 @@ class CostmapParameters:
         return replace(first, **self._of_path(_OF_PURSUIT))
 
     def _of_path(self, names: tuple[str, ...]) -> dict[str, Any]:
-        """Return the values of some names; without those that are as in the file that was loaded."""
+        """Return the values of some names, except those equal to the loaded file's."""
         loaded = {} if self.loaded is None else self.loaded.values
         return {name: self.values[name] for name in names if loaded.get(name) != self.values[name]}
 
     def nav2_text(self, filters: tuple[NamedFilter, ...], resolution: float) -> str:
-        """Return the parameters as a Nav2 file, with the filters of painted zones; ``resolution`` is in m per cell.
+        """Return the parameters as a Nav2 file, with the filters of painted zones. ``resolution`` is in m per cell.
 
-        A file that was loaded is returned with what was changed since. The layer of obstacles with a lifetime, which
-        Nav2 does not have, is only in a file that has it already.
+        A loaded file is returned with the changes since. The obstacle layer with a lifetime, which Nav2 does not have,
+        is written only if the file already has it.
         """
         loaded = self.loaded
         if loaded is not None:
@@ -238,9 +238,9 @@ class CostmapParameters:
 
 
 def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
-    """Return the footprint with these corners [x, y], metres, as they are dragged on a page.
+    """Return the footprint with these corners [x, y], metres, as dragged on a page.
 
-    Raises :class:`ConfigError` for one that is impossible or crosses itself, or does so with its padding.
+    Raises :class:`ConfigError` if it is impossible or crosses itself, with or without its padding.
     """
     if len(corners) > MOST_CORNERS:
         raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
@@ -256,11 +256,11 @@ def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
 def from_nav2(
     before: CostmapParameters, root: Mapping[str, Any], costmap: Nav2Costmap, path: Nav2Path
 ) -> tuple[CostmapParameters, list[str]]:
-    """Return the parameters of a Nav2 parameter file, of others those ``before``, and what is to be noted.
+    """Return the parameters of a Nav2 parameter file, and notes. All other parameters are those of ``before``.
 
-    ``costmap`` and ``path`` are what its mapping ``root`` describes. Where it has several layers of a kind, the table
-    shows the first that is enabled. Of its filters only their kind and whether they are on is taken: their masks are
-    other files.
+    ``costmap`` and ``path`` are the parsed contents of its mapping ``root``. If it has several layers of a kind, the
+    table shows the first that is enabled. Of its filters, only the kind and whether they are on are used, because their
+    masks are other files.
     """
     values: dict[str, Any] = {"track_unknown_space": costmap.general.track_unknown_space}
     values |= dict.fromkeys(IN_NAV2, False)

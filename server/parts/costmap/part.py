@@ -44,15 +44,15 @@ from server.stream.layers import Layer
 from server.stream.message_parts import LayerCost
 from server.stream.protocol import ProtocolError
 
-MOST_CELLS = 5_000_000  #: of the map: each costmap holds a dozen grids of its size
-_MOST_NAMES = 12  #: of parameters in one notice
+MOST_CELLS = 5_000_000  #: maximum size of the map, because each costmap holds a dozen grids of that size
+_MOST_NAMES = 12  #: maximum number of parameters in one notice
 _UNSEEN = "{} has no source of the type LaserScan: it sees nothing of the scans here."
 
 _OTHER_TOPIC = "{} has no source with the topic {}: the scans go to its sources with the first topic of a LaserScan."
 
 
 class CostmapPart(Part, Costed):
-    """A costmap, from the command ``costmap`` on until the same command ends it."""
+    """A costmap. The ``costmap`` command begins and ends it."""
 
     commands = (CostmapCommand, CostCommand, Nav2Command, UseCosts)
     recorded = (CostmapCommand, Nav2Command)
@@ -76,10 +76,10 @@ class CostmapPart(Part, Costed):
         self.tables = {"costmap": rows_with(titles, () if offers.drive else OF_THE_FOLLOWER)}
         offers.costing = self
         self.costmap: Costmap | None = None
-        self._is_new = False  #: whether the costs have to be brought up to date before the next scan
-        self._version: object = None  #: of the plan that the static layer has
-        self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
-        self._number = -1  #: of the scan that the layers of obstacles saw last
+        self._is_new = False  #: whether the costs must be brought up to date before the next scan
+        self._version: object = None  #: version of the static layer's plan
+        self._followed: OccupancyGrid | None = None  #: the other map that the static layer uses
+        self._number = -1  #: number of the scan that the obstacle layers used last
         self._uploaded: UploadedCosts | None = None
         self._laid: LayerCosts | None = None  #: the terrain in the costmap
 
@@ -87,16 +87,16 @@ class CostmapPart(Part, Costed):
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The costs and each layer's own; none while it is off."""
+        """The costs and the layers' own costs; none while it is off."""
         return () if self.costmap is None else self.costmap.layers
 
     @property
     def cells(self) -> int:
-        """Cells of the grids that it holds."""
+        """Number of cells of its grids."""
         return 0 if self.costmap is None else self.costmap.cells
 
     def messages(self) -> tuple[CostmapMessage]:
-        """Return the message ``costmap``."""
+        """Return the ``costmap`` message."""
         costmap = self.costmap
         parameters = CostmapParameters() if costmap is None else costmap.parameters
         strokes = () if costmap is None else costmap.strokes
@@ -112,9 +112,9 @@ class CostmapPart(Part, Costed):
         return (message,)
 
     def history(self) -> list[Struct]:
-        """Return the commands from which another session gets the same costmap.
+        """Return the commands that create the same costmap in another session.
 
-        Where a Nav2 file was loaded, the command ``nav2`` has it as it is now. The command ``use_terrain`` names an
+        A loaded Nav2 file is in a ``nav2`` command with its current contents. The ``use_terrain`` command names an
         upload, which the service then reads.
         """
         costmap = self.costmap
@@ -132,23 +132,23 @@ class CostmapPart(Part, Costed):
         return commands
 
     def present_costs(self) -> RecordedCostmap | None:
-        """Return the present costs."""
+        """Return the current costs."""
         return None if self.costmap is None else self.costmap.recorded(self._robot().time_s, None)
 
     def present_footprint(self) -> FootprintAnswer | None:
-        """Return the footprint with both radii, None while there is no costmap."""
+        """Return the footprint with both radii, None without a costmap."""
         return None if self.costmap is None else self.costmap.parameters.footprint_answer()
 
     def present_masks(self) -> dict[str, Int8Array]:
-        """Return the masks of the keepout zones and of the speed limits, as far as they are painted."""
+        """Return the painted masks of the keepout zones and of the speed limits."""
         return {} if self.costmap is None else self.costmap.masks
 
     # -- commands -------------------------------------------------------------------------------------------------
 
     def handle(self, command: CostmapCommand | CostCommand | Nav2Command | UseCosts, result: TickResult) -> None:
-        """Carry out a command. Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then.
+        """Carry out a command. If it raises :class:`ProtocolError` or :class:`ConfigError`, nothing has changed.
 
-        The answer to a question is no change: a frame that came with it would look like a reason to ask again.
+        Answering a question does not count as a change, because pages would ask again after each new frame.
         """
         costmap = self.costmap
         if isinstance(command, CostmapCommand):
@@ -185,7 +185,7 @@ class CostmapPart(Part, Costed):
         self._note_change(result)
 
     def _check(self, values: Mapping[str, Any]) -> None:
-        """Raise :class:`ConfigError` for parameters that this session cannot have."""
+        """Raise :class:`ConfigError` for parameters that this session cannot use."""
         if (n := _cells_of(self._grid())) > MOST_CELLS:
             message = f"The map has {n} cells, and a costmap at most {MOST_CELLS}; choose a coarser resolution."
             raise ConfigError("costmap.too_large", message)
@@ -195,20 +195,20 @@ class CostmapPart(Part, Costed):
             raise ConfigError("costmap.map", message)
 
     def _first_values(self) -> Values:
-        """Return the plan as the static map where the poses are in it, in the place of the table's first values."""
+        """Return initial values for the table: the static map is the plan that contains the poses, if there is one."""
         for name, plan in self._plans.items():
             if plan.is_first() and _cells_of(plan.read().grid) <= MOST_CELLS:
                 return {"map": name}
         return {}
 
     def _map(self, parameters: CostmapParameters) -> OccupancyGrid:
-        """Return the map of the static layer: the source's own, or another one where that is chosen and there."""
+        """Return the map of the static layer: the source's own, or the chosen other one if it exists."""
         other = self._maps.get(parameters.values["map"])
         grid = None if other is None else other.read()
         return self._grid() if grid is None else grid
 
     def _plan(self, name: str) -> StaticMap | None:
-        """Return the plan that takes the place of the source's map, None where the map of this name is no plan."""
+        """Return the plan that replaces the source's map, None if the map of this name is not a plan."""
         plan = self._plans.get(name)
         if plan is None:
             return None
@@ -226,7 +226,7 @@ class CostmapPart(Part, Costed):
             result.slot(*self.messages())
 
     def _use_terrain(self, terrain: UploadedCosts | None, result: TickResult) -> None:
-        """Take the costs of an upload for the terrain's layer."""
+        """Use the costs of an upload for the terrain layer."""
         self._uploaded = terrain
         result.changed = True
         geometry = self._grid().geometry if self.costmap is None else self.costmap.geometry
@@ -235,7 +235,7 @@ class CostmapPart(Part, Costed):
             result.notice("terrain.elsewhere", message)
 
     def _exchange(self, costmap: Costmap, command: Nav2Command, result: TickResult) -> None:
-        """Answer with the parameters as Nav2's yaml, or take them from one."""
+        """Answer with the parameters as Nav2 yaml, or set them from it."""
         if command.text is None:
             masks, kind = costmap.masks, costmap.parameters.values["speed_limits"]
             filters = painted_filters(masks.get("keepout"), masks.get("speed"), kind)
@@ -256,7 +256,7 @@ class CostmapPart(Part, Costed):
         if unused:
             names = ", ".join(unused[:_MOST_NAMES]) + (" and more" if len(unused) > _MOST_NAMES else "")
             all_notes.append(f"Without effect here, and kept in the yaml that you download: {names}.")
-        if all_notes:  # in one notice: a page shows the newest
+        if all_notes:  # one notice, because a page shows only the newest
             result.notice("nav2.kept", " ".join(all_notes))
         self._note_change(result)
         result.answer(Nav2Message(None))
@@ -266,14 +266,14 @@ class CostmapPart(Part, Costed):
         result.slot(*self.messages())
 
     def note(self, command: Struct, result: TickResult) -> None:
-        """End in another world."""
+        """End when the world changes."""
         if isinstance(command, WorldCommand | RestartCommand):
             self._end(result)
 
     # -- computing ------------------------------------------------------------------------------------------------
 
     def changed(self, result: TickResult) -> None:
-        """Follow what changed in the map, and look at a new scan."""
+        """Apply the changes of the map, and a new scan."""
         costmap = self.costmap
         if costmap is None:
             return
@@ -296,19 +296,19 @@ class CostmapPart(Part, Costed):
         costmap.revision += are_new
 
     def _renew_plan(self, costmap: Costmap, result: TickResult) -> None:
-        """Take another plan where there is one, such as a map that was loaded."""
+        """Use a new plan, such as a map that was just loaded."""
         name = costmap.parameters.values["map"]
         if name not in self._plans or self._version is self._plans[name].version():
             return
         try:
             costmap.renew_plan(self._plan(name), self._grid())
             self._is_new = True
-        except ConfigError as error:  # the costmap keeps the map from before
+        except ConfigError as error:  # the costmap keeps the previous map
             self._version = self._plans[name].version()
             result.notice(error.code, error.message)
 
     def _follow(self, costmap: Costmap, robot: Robot, result: TickResult) -> bool:
-        """Take over what changed in the maps below; return whether the costs are others now."""
+        """Apply changes of the maps below; return whether the costs have changed."""
         own, box, whole = self._grid(), result.box, result.new_grid
         grid = self._map(costmap.parameters)
         if grid is not own or self._followed is not None:
@@ -316,7 +316,7 @@ class CostmapPart(Part, Costed):
             self._is_new |= whole
             self._followed = None if grid is own else grid
         if robot.number < self._number:
-            costmap.begin(grid)  # what later scans marked is not known yet
+            costmap.begin(grid)  # marks of later scans are not known yet
         else:
             costmap.follow(grid, box, whole=whole)
         terrain = self._offered() if self._uploaded is None else self._uploaded
@@ -331,7 +331,7 @@ def _cells_of(grid: OccupancyGrid) -> int:
 
 
 def _meets(terrain: LayerCosts, geometry: GridGeometry) -> bool:
-    """Whether a known cell of a terrain is at the place of a cell of another geometry."""
+    """Return whether a known cell of a terrain coincides with a cell of another geometry."""
     rows, cols = (terrain.costs() != NO_INFORMATION).nonzero()
     if not len(rows):
         return False

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/costmap/…``: the costs of a session as files, and its footprint."""
+"""``/api/sessions/{id}/costmap/…``: the costs of a session as files, and the robot's footprint."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _UNPAINTED = {"keepout": "No keepout zone is painted.", "speed": "No speed limit
 @router.get("/{session_id}/costmap/footprint")
 @guests_may(GuestRight.LINKED_SESSION)
 async def footprint(sessions: Sessions, session_id: str) -> FootprintAnswer:
-    """Return the footprint of the session's costmap, and the inscribed and circumscribed radius with the padding."""
+    """Return the footprint of the session's costmap, with the inscribed and circumscribed radius of the padded one."""
     return await _footprint(sessions.get(session_id))
 
 
@@ -51,7 +51,7 @@ async def change_footprint(sessions: Sessions, session_id: str, body: FootprintO
     from server.parts.costmap.parameters import footprint_of  # noqa: PLC0415 - with the first session
 
     session = sessions.get(session_id)
-    await _footprint(session)  # the command would begin a costmap where there is none
+    await _footprint(session)  # without a costmap, the command would begin one
     footprint_of(body.footprint)
     session.enqueue(CostmapCommand(footprint=body.footprint))
     return await _footprint(session)
@@ -72,9 +72,9 @@ async def _footprint(session: SessionHost) -> FootprintAnswer:
 async def file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, name: str) -> Response:
     """Return the session's costs as a file.
 
-    ``costmap.pgm`` has the costs 0 … 255 as greys, ``costmap.yaml`` describes it, ``costmap.mcap`` holds the messages
-    nav2_msgs/Costmap and nav_msgs/OccupancyGrid; ``keepout.pgm`` and ``keepout.yaml`` are the painted zones as a mask,
-    ``speed.pgm`` and ``speed.yaml`` the painted speed limits.
+    ``costmap.pgm`` has the costs 0 to 255 as grey values, described by ``costmap.yaml``. ``costmap.mcap`` contains the
+    messages nav2_msgs/Costmap and nav_msgs/OccupancyGrid. ``keepout.pgm`` and ``keepout.yaml`` are the painted zones as
+    a mask, ``speed.pgm`` and ``speed.yaml`` the painted speed limits.
     """
     session = sessions.get(session_id)
     if name not in _NAMES:

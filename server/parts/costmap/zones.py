@@ -22,10 +22,10 @@ from server.stream.message_parts import BrushStroke
 from server.stream.protocol import ProtocolError
 
 MOST_STROKES = 100
-MOST_POINTS = 3000  #: of all strokes together: a command has at most 64 KiB
+MOST_POINTS = 3000  #: of all strokes together, because a command has at most 64 KiB
 WIDEST_M = 5.0
-_ROUND = 10  #: sides of a brush
-#: Type and multiplier of the speed filter's information: values of the mask are percent, or hundredths of a m/s.
+_ROUND = 10  #: number of corners of a brush
+#: Type and multiplier of the speed filter's information. Mask values are percent, or hundredths of a m/s.
 SPEED_TYPES = dict(zip(SPEED_LIMITS, ((PERCENTAGE, 1.0), (ABSOLUTE, 0.01)), strict=True))
 
 
@@ -33,7 +33,7 @@ SPEED_TYPES = dict(zip(SPEED_LIMITS, ((PERCENTAGE, 1.0), (ABSOLUTE, 0.01)), stri
 class Stroke:
     """A stroke of the brush: ``points`` (x, y) in m, ``width`` in m, and whether it erases.
 
-    ``speed`` is the value 1 … 100 of a zone in the speed filter's mask, None for a keepout zone. A stroke that erases
+    ``speed`` is the value 1 to 100 of a zone in the speed filter's mask, None for a keepout zone. An erasing stroke
     erases both.
     """
 
@@ -43,11 +43,11 @@ class Stroke:
     speed: int | None = None
 
     def message(self) -> BrushStroke:
-        """Return the stroke as the wire has it."""
+        """Return the stroke as its message."""
         return BrushStroke(self.width, self.erases, list(self.points), UNSET if self.speed is None else self.speed)
 
     def outlines(self) -> Iterator[Float64Array]:
-        """Yield polygons (n, 2) in metres that cover it."""
+        """Yield polygons (n, 2) in metres that cover the stroke."""
         half = 0.5 * self.width
         turns = np.arange(_ROUND) * (math.tau / _ROUND)
         disc = half * np.column_stack([np.cos(turns), np.sin(turns)])
@@ -62,13 +62,13 @@ class Stroke:
                 yield np.stack([begin + side, end + side, end - side, begin - side])
 
     def continues(self, before: Stroke) -> bool:
-        """Whether it is another stroke with more points."""
+        """Return whether this is the stroke ``before`` with more points."""
         same = (self.width, self.erases, self.speed) == (before.width, before.erases, before.speed)
         return same and self.points[: len(before.points)] == before.points
 
 
 def strokes_of(brush_strokes: Sequence[BrushStroke]) -> tuple[Stroke, ...]:
-    """Return strokes as the wire has them. Raises :class:`ProtocolError` for more than :data:`MOST_POINTS` points."""
+    """Return the strokes of messages. Raises :class:`ProtocolError` for more than :data:`MOST_POINTS` points."""
     strokes = tuple(
         Stroke(
             stroke.width, stroke.erases, tuple(stroke.points), stroke.speed if isinstance(stroke.speed, int) else None
@@ -88,28 +88,28 @@ def strokes_of(brush_strokes: Sequence[BrushStroke]) -> tuple[Stroke, ...]:
 
 
 class SpeedZones:
-    """The painted mask of a speed filter: ``mask`` (rows, cols) int8, 1 … 100, 0 for no limit."""
+    """The painted mask of a speed filter: ``mask`` (rows, cols) int8, 1 to 100, 0 for no limit."""
 
     def __init__(self, geometry: GridGeometry, kind: str, given: Int8Array | None = None) -> None:
-        """``kind`` is a name of :data:`SPEED_TYPES`; ``given`` is a mask over which is painted."""
+        """Create a mask. ``kind`` is a name of :data:`SPEED_TYPES`; ``given`` is an initial mask."""
         self._geometry, self._given = geometry, given
         self.mask: Int8Array = np.zeros(geometry.shape, dtype=np.int8)
         self.clear()
         self.interpret(kind)
 
     def interpret(self, kind: str) -> None:
-        """Take the values for percent or for hundredths of a m/s."""
+        """Interpret the values as percent or as hundredths of a m/s."""
         number, multiplier = SPEED_TYPES[kind]
         self._filter = SpeedFilter(Mask(self._geometry, self.mask), number, multiplier=multiplier)
 
     def paint(self, stroke: Stroke) -> None:
-        """Paint a stroke with a speed limit, or one that erases."""
+        """Paint a stroke with a speed limit, or an erasing one."""
         value = np.int8(0 if stroke.speed is None else stroke.speed)
         for outline in stroke.outlines():
             fill_polygon(self._geometry.to_lattice(outline), value, self.mask, no_bounds())
 
     def clear(self) -> None:
-        """Remove all that was painted."""
+        """Remove everything that was painted."""
         self.mask[...] = 0 if self._given is None else self._given
 
     @property
@@ -122,9 +122,9 @@ class SpeedZones:
         return self._filter.at(x, y)
 
     def why(self, x: float, y: float) -> str | None:
-        """Return what the mask says of a point, map metres, in one sentence; None where nothing is painted.
+        """Return one sentence about the mask at a point, map metres; None if nothing is painted there.
 
-        A question leaves no trace in the limit that holds outside the mask.
+        The question does not change the limit that applies outside the mask.
         """
         value = self._filter.mask.at(x, y)
         if not value:
@@ -132,19 +132,19 @@ class SpeedZones:
         return f"The speed filter’s mask is {value} here: the limit is {self.named(value)}."
 
     def named(self, value: int) -> str:
-        """Return the limit of a value of the mask in words."""
+        """Return the limit of a mask value in words."""
         if self._filter.percentage:
             return f"{value} % of the greatest speed"
         return f"{self._filter.multiplier * value:.2f} m/s"
 
     @property
     def picture(self) -> UInt8Array:
-        """The mask as bytes (rows, cols), 255 where there is no limit."""
+        """The mask as bytes (rows, cols), 255 for no limit."""
         return np.where(self.mask > 0, self.mask, NO_INFORMATION).astype(np.uint8)
 
 
 def painted_filters(keepout: Int8Array | None, speed: Int8Array | None, kind: str) -> tuple[NamedFilter, ...]:
-    """Return the filters whose masks are painted, with the names of the masks' files as they are downloaded."""
+    """Return the filters of the painted masks, with the names of the masks' downloaded files."""
     filters = []
     if keepout is not None:
         filters.append(NamedFilter("keepout_filter", "keepout", "keepout.yaml"))

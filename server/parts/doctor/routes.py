@@ -27,10 +27,10 @@ EventKind = Literal["pushed", "slipped", "lifted", "clock", "gap"]
 
 @dataclass(frozen=True, slots=True)
 class FindingAnswer:
-    """A finding of an examination; ``sensor`` is empty in a log of one, ``possible``: too uncertain for a fact.
+    """A finding of an examination. ``sensor`` is empty for a log with one sensor.
 
-    ``sure`` is 0 to 1, ``scans`` are numbers from 0, ``seconds`` their times, ``parameters`` values of mapping
-    parameters that would help.
+    ``possible`` marks uncertain findings. ``sure`` is 0 to 1, ``scans`` are numbered from 0, ``seconds`` are their
+    times, ``parameters`` are values of mapping parameters that would help.
     """
 
     check: str
@@ -46,7 +46,7 @@ class FindingAnswer:
 
 @dataclass(frozen=True, slots=True)
 class LogEvent:
-    """An event of a log: the robot was moved as its wheels did not measure, its clock was set, or nothing recorded."""
+    """An event of a log: the robot was moved without its wheels, its clock was set, or there is a gap in it."""
 
     kind: EventKind
     seconds: Annotated[float, Field(description="begin in recorded time, s")]
@@ -73,7 +73,7 @@ class LogEvent:
 
 @dataclass(frozen=True, slots=True)
 class DoctorAnswer:
-    """The diagnosis of a log along a trajectory: findings, causes first, and events in the order of their times."""
+    """The diagnosis of a log along a trajectory: findings, causes first, and events by time."""
 
     trajectory: str
     findings: list[FindingAnswer]
@@ -93,13 +93,12 @@ async def doctor(
 ) -> DoctorAnswer:
     """Return the diagnosis of the session's log with its current trajectory, and the events of its recording.
 
-    ``seconds`` of a finding are those of its ``scans`` in recorded time, from the log's first scan.
-
-    The examination ends when every client that waits for it has disconnected.
+    ``seconds`` of a finding are the recorded times of its ``scans`` since the log's first scan. The examination ends
+    when every client that waits for it has disconnected.
     """
     session = sessions.get(session_id)
     recording = part_of_log(session, Recording, "Only a log can be examined, not a simulation.")
-    trajectory = recording.trajectory  # which may be another one when the examination is over
+    trajectory = recording.trajectory  # it may change during the examination
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
         diagnosis = await while_connected(request, recording.examined())
@@ -107,7 +106,7 @@ async def doctor(
 
 
 def doctor_answer(recording: Recording, trajectory: str, diagnosis: Diagnosis) -> DoctorAnswer:
-    """Return the diagnosis of a session's log along a trajectory as it is answered."""
+    """Return the diagnosis of a session's log along a trajectory as an answer of the HTTP interface."""
     seconds = recorded_seconds(recording.log)
     return DoctorAnswer(
         trajectory=trajectory,

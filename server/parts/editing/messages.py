@@ -1,4 +1,4 @@
-"""The commands and the message of a map that is edited, as the stream has them."""
+"""The stream's commands and message of an edited map."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from server.stream.message_parts import Number, Point, Whole
 
 
 class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
-    """Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left."""
+    """Maps: edit the map; see `mapper.editing`. Points are in the coordinates after the earlier edits."""
 
     op: Annotated[str, Meta(description="paint, fill, keepout, speed, despeckle, rotate, crop or origin")]
     points: Annotated[
@@ -27,7 +27,7 @@ class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
 
 
 class MapHistoryCommand(Struct, tag_field="type", tag="map_history"):
-    """Maps: undo edits, or make them again."""
+    """Maps: undo edits, or redo them."""
 
     steps: Annotated[Whole, Meta(description="negative: number of steps to undo; positive: to redo")]
 

@@ -1,4 +1,4 @@
-"""The edits of a map: shown, carried out and taken back."""
+"""The edits of a map: displaying, applying and undoing them."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from server.sessions.tick import TickResult
 from server.stream.grid_layer import GridLayer, TilePicture, picture_range
 from server.stream.protocol import fields_of
 
-MOST_CELLS = 1 << 24  #: of a map that is edited
-MOST_LISTED = 12  #: of the last edits, in the message ``map_edits``
+MOST_CELLS = 1 << 24  #: maximum for an edited map
+MOST_LISTED = 12  #: number of the last edits in the message ``map_edits``
 _FIELDS = {
     "paint": {"points": "points", "state": "state", "width": "width"},
     "fill": {"points": "polygon", "state": "state"},
@@ -38,16 +38,16 @@ _FIELDS = {
     "rotate": {"angle": "angle"},
     "crop": {"points": "corners"},
     "origin": {"points": "points", "angle": "yaw"},
-}  #: of each operation: the field of the command ``map_edit``, and its own
+}  #: for each operation: the field of the ``map_edit`` command, and the operation's own
 
-#: The picture's value (256,) of each value of a mask, by its bits: 1 … 127 as they are, else none.
+#: Picture value (256,) for each value of a mask, by its bits: 1 to 127 unchanged, otherwise none.
 _ZONE_SHADES = np.where((np.arange(256) > 0) & (np.arange(256) < 128), np.arange(256) - 127, NEVER_OBSERVED).astype(
     np.int8
 )
 
 
 def operation_of(command: MapEditCommand) -> Operation:
-    """Return the operation of a command ``map_edit``. Raises :class:`mapper.core.errors.ConfigError`."""
+    """Return the operation of a ``map_edit`` command. Raises :class:`mapper.core.errors.ConfigError`."""
     names = _FIELDS.get(command.op, {})
     values = {names[name]: value for name, value in fields_of(command).items() if name in names}
     places = values.pop("points", None) if command.op == "origin" else None
@@ -62,7 +62,7 @@ class Editing(Part, EditedFiles):
     commands = (MapEditCommand, MapHistoryCommand)
 
     def __init__(self, host: ModelHost, reference: ReferenceMap) -> None:
-        """Show a map. Raises :class:`LimitError` for one of more than :data:`MOST_CELLS` cells."""
+        """Show a map. Raises :class:`LimitError` if it has more than :data:`MOST_CELLS` cells."""
         self._host, self._given = host, reference
         geometry = _limited(reference.geometry, host.limits())
         self._edited = EditedMap(
@@ -77,7 +77,7 @@ class Editing(Part, EditedFiles):
 
     @property
     def geometry(self) -> GridGeometry:
-        """The geometry of the present map."""
+        """The geometry of the current map."""
         return self._edited.geometry
 
     @property
@@ -87,11 +87,11 @@ class Editing(Part, EditedFiles):
 
     @property
     def cells(self) -> int:
-        """The cells of the states that are kept, and of the layers."""
+        """Number of cells of the stored states and of the layers."""
         return self._edited.cells + 6 * self._edited.values.size
 
     def messages(self) -> list[MapEditsMessage]:
-        """Return the message ``map_edits``."""
+        """Return the ``map_edits`` message."""
         edited = self._edited
         return [
             MapEditsMessage(
@@ -105,7 +105,7 @@ class Editing(Part, EditedFiles):
         ]
 
     def handle(self, command: MapEditCommand | MapHistoryCommand, result: TickResult) -> None:
-        """Carry out an edit, or a step through the edits."""
+        """Carry out an edit, or undo or redo edits."""
         edited = self._edited
         match command:
             case MapEditCommand():
@@ -127,12 +127,12 @@ class Editing(Part, EditedFiles):
         edited = self._edited
         self._map.set_cells(edited.geometry, *picture_range(MappingConfig()), self._bands(edited.values, _map_shades()))
         self._keepout.set_cells(edited.geometry, 0.0, 254.0, self._bands(edited.keepout, _ZONE_SHADES))
-        if self._has_limits or edited.speed.any():  # few maps have speed limits: the others are not drawn again
+        if self._has_limits or edited.speed.any():  # few maps have speed limits, and an unused layer is not redrawn
             self._has_limits = True
             self._speed.set_cells(edited.geometry, 0.0, 254.0, self._bands(edited.speed, _ZONE_SHADES))
 
     def _bands(self, values: Int8Array, shades: Int8Array) -> Iterator[tuple[int, Int8Array]]:
-        """Yield the first row and the picture's cells of bands of whole tiles; other sessions compute between them."""
+        """Yield the first row and the picture's cells of bands of whole tiles; other sessions compute in between."""
         rows, cols = values.shape
         for row0, row1 in row_bands(rows, cols, multiple=TILE):
             self._host.may_continue()
@@ -141,7 +141,7 @@ class Editing(Part, EditedFiles):
     # -- on the event loop ----------------------------------------------------------------------------------------
 
     async def files(self, stem: str) -> list[tuple[str, bytes]]:
-        """Return the files of the present map, by name."""
+        """Return the files of the current map, by name."""
         async with self._host.settled():
             return await self._host.on_thread(partial(_files, self._edited, stem, self._given.title))
 
@@ -157,7 +157,7 @@ def _files(edited: EditedMap, stem: str, source: str) -> list[tuple[str, bytes]]
 
 @cache
 def _map_shades() -> Int8Array:
-    """Return the picture's value (256,) of each value of nav_msgs/OccupancyGrid, by its bits."""
+    """Return the picture value (256,) for each value of nav_msgs/OccupancyGrid, by its bits."""
     values = np.arange(-1, 101, dtype=np.int8)
     grid = grid_of_values(GridGeometry(1.0, 1, values.size), values[np.newaxis])
     picture = TilePicture(grid.geometry, *picture_range(MappingConfig()))
@@ -168,7 +168,7 @@ def _map_shades() -> Int8Array:
 
 
 def _limited(geometry: GridGeometry, limits: Limits) -> GridGeometry:
-    """Return the geometry such that what edits make of it has a bounded number of cells."""
+    """Return the geometry with limits that bound the number of cells after edits."""
     most = min(MOST_CELLS, limits.max_cells // 8)
     if geometry.rows * geometry.cols > most:
         message = f"The map has {geometry.size_text} cells; here one of at most {most:,} cells can be edited."

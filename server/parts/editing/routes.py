@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/edited-map``: a map that was edited, kept as a new map, and as files."""
+"""``/api/sessions/{id}/edited-map``: an edited map, saved as a new map or downloaded as files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
-#: What a file of an edited map is called in its address, and how its own name ends.
+#: Path component of each file of an edited map, and the ending of the file's name.
 _ENDINGS = {
     "map.pgm": ".pgm", "map.yaml": ".yaml", "keepout.pgm": "_keepout.pgm", "keepout.yaml": "_keepout.yaml",
     "speed.pgm": "_speed.pgm", "speed.yaml": "_speed.yaml", "edits.json": ".edits.json",
@@ -34,7 +34,7 @@ _UNPAINTED = {"keepout": "The map has no keepout zones.", "speed": "The map has 
 
 
 class NewMap(BaseModel, extra="forbid"):
-    """A map to keep."""
+    """A map to save."""
 
     name: str = Field(min_length=1, max_length=100, description="Name of the new map.")
 
@@ -54,7 +54,7 @@ async def _pieces(data: bytes) -> AsyncIterator[bytes]:
 async def keep(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, body: NewMap
 ) -> LogAnswer:
-    """Keep the session's edited map with its edits as a new map of this visitor; return its record."""
+    """Save the session's edited map with its edits as a new map of this visitor; return its record."""
     files = await _edited(sessions.get(session_id)).files(file_stem(body.name))
     data = archived(files)
     record = await library.put(visitor, body.name, _pieces(data), len(data), address=client_address(request))
@@ -65,8 +65,8 @@ async def keep(
 async def file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, name: str) -> Response:
     """Return a file of the session's edited map.
 
-    ``map.pgm``, ``map.yaml``; ``keepout.pgm``, ``keepout.yaml``, ``speed.pgm`` and ``speed.yaml``, the masks of Nav2's
-    filters; or ``edits.json``, which ``gridbloom edit`` carries out again.
+    The files are ``map.pgm`` and ``map.yaml``; ``keepout.pgm``, ``keepout.yaml``, ``speed.pgm`` and ``speed.yaml``, the
+    masks of Nav2's filters; and ``edits.json``, which ``gridbloom edit`` can apply.
     """
     session = sessions.get(session_id)
     edited, stem = _edited(session), f"{stem_of(session)}_edited"
@@ -86,7 +86,7 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
 async def keep_present(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, body: NewMap
 ) -> LogAnswer:
-    """Keep the present map of a session, of a world or a log, as a new map of this visitor; return its record."""
+    """Save the current map of a session, of a world or a log, as a new map of this visitor; return its record."""
     from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
     from mapper.editing.files import map_files  # noqa: PLC0415
 

@@ -1,1 +1,1 @@
-"""Where the robot of a session is in a reference map, see :mod:`mapper.localization`."""
+"""Localization of a session's robot in a reference map, see :mod:`mapper.localization`."""

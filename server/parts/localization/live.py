@@ -1,4 +1,4 @@
-"""Localization of the simulated robot in a reference map: its filter, what is shown of it, and how far off it is."""
+"""Localization of the simulated robot in a reference map: its filter, its display, and its error."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ from server.stream.commands import RestartCommand, SensorCommand, TeleportComman
 from server.stream.grid_layer import GridLayer
 from server.stream.layers import Layer, TableLayer
 
-MOST_SHOWN = 10_000  #: particles that are sent
-MOST_PARTICLES = 100_000  #: that one session may have
+MOST_SHOWN = 10_000  #: particles sent to pages
+MOST_PARTICLES = 100_000  #: maximum for one session
 SEED = 16
 
 
-#: The maps that a filter may be given of the world.
+#: The maps of the world that a filter may use.
 MAPS: Mapping[str, Callable[[World], World]] = {
     "plan": lambda world: world,
     "moved": with_moved_furniture,
@@ -51,9 +51,9 @@ MAPS: Mapping[str, Callable[[World], World]] = {
 
 
 class LabLocalization:
-    """A filter that is given a plan of the world as it was when it began, odometry with errors, and the scans.
+    """A filter that uses a plan of the world as it was at the start, odometry with errors, and the scans.
 
-    It is not told of teleports: :meth:`note_teleport`. ``message`` is what the page shows of it.
+    It does not know of teleports, see :meth:`note_teleport`. ``message`` is what the page shows of it.
     """
 
     def __init__(
@@ -65,9 +65,9 @@ class LabLocalization:
         values: Mapping[str, Any],
         given: str = "plan",
     ) -> None:
-        """Begin at ``pose`` without telling it to the filter; ``given`` names one of :data:`MAPS`.
+        """Start at ``pose`` without passing it to the filter. ``given`` names one of :data:`MAPS`.
 
-        Raises :class:`ConfigError` for values it refuses.
+        Raises :class:`ConfigError` for invalid values.
         """
         if given not in MAPS:
             raise ConfigError("localization.map", f"The map must be one of {', '.join(MAPS)}, not {given!r:.80}.")
@@ -92,7 +92,7 @@ class LabLocalization:
         self._draw(*self._filter.weighed)
 
     def _take(self, values: Mapping[str, Any]) -> LocalizationConfig:
-        """Return the parameters with ``values`` replaced. Raises :class:`ConfigError` for values it refuses."""
+        """Return the parameters with ``values`` replaced. Raises :class:`ConfigError` for invalid values."""
         config = LocalizationConfig(global_particles=20_000).with_values(values)
         fewer = {
             name: min(getattr(config, name), MOST_PARTICLES)
@@ -105,9 +105,9 @@ class LabLocalization:
         return limits_of(config, RANGE_MIN, self._range_max)[1]
 
     def change(self, values: Mapping[str, Any]) -> None:
-        """Go on with other parameters: the particles stay, and show how the newest scan weighs them now.
+        """Change the parameters. The particles are kept, with the weights that the newest scan now gives them.
 
-        Raises :class:`ConfigError` for values it refuses; nothing has changed then.
+        Raises :class:`ConfigError` for invalid values; nothing has changed then.
         """
         before = self.values
         try:
@@ -131,16 +131,16 @@ class LabLocalization:
 
     @property
     def cells(self) -> int:
-        """Cells of the grids that it holds."""
+        """Number of cells of its grids."""
         return 3 * self._filter.model.geometry.rows * self._filter.model.geometry.cols
 
     def note_teleport(self, pose: PoseTuple) -> None:
-        """Note that the robot was carried to ``pose``: its wheels did not turn."""
+        """Record that the robot was moved to ``pose`` without its wheels turning."""
         self._odometer.carry(pose)
         self._true = pose
 
     def look(self, scan: RangeScan, pose: PoseTuple) -> bool:
-        """Take a scan, unless it was taken before, at the true ``pose``; return whether there is something new."""
+        """Use a scan, unless it was used before, at the true ``pose``; return whether anything has changed."""
         if scan is self._seen:
             return False
         self._seen, self._true = scan, pose
@@ -163,7 +163,7 @@ class LabLocalization:
         self._particles.set(np.vstack([particles[::step].T, value[np.newaxis]]))
 
     def message(self) -> LocalizationMessage:
-        """Return the message ``localization``."""
+        """Return the ``localization`` message."""
         estimate, model = self._filter.estimate, self._filter
         off = estimate.pose[:2] - np.array(self._true[:2])
         turned = math.remainder(float(estimate.pose[2]) - self._true[2], math.tau)
@@ -187,7 +187,7 @@ class LabLocalization:
 
 
 class LocalizationView(Part):
-    """The filter of the simulated robot, if there is one."""
+    """The filter of the simulated robot, if any."""
 
     commands = (LocalizeCommand,)
     subject = "localization"
@@ -204,19 +204,19 @@ class LocalizationView(Part):
 
     @property
     def cells(self) -> int:
-        """Cells of the grids that it holds."""
+        """Number of cells of its grids."""
         return 0 if self._filter is None else self._filter.cells
 
     def messages(self) -> list[LocalizationMessage]:
-        """Return the message ``localization``."""
+        """Return the ``localization`` message."""
         return [self.message()]
 
     def message(self) -> LocalizationMessage:
-        """Return the message ``localization``."""
+        """Return the ``localization`` message."""
         return OFF if self._filter is None else self._filter.message()
 
     def handle(self, command: LocalizeCommand, result: TickResult) -> None:
-        """Begin to localize the robot in a plan of the present world, change the parameters, or end it.
+        """Start localizing the robot in a plan of the current world, change the parameters, or end it.
 
         Raises :class:`mapper.core.errors.ConfigError`; nothing has changed then.
         """
@@ -234,7 +234,7 @@ class LocalizationView(Part):
         result.slot(self.message())
 
     def changed(self, result: TickResult) -> None:
-        """Let the filter see the newest scan."""
+        """Pass the newest scan to the filter."""
         mapper, scan = self._mapper, self._mapper.newest
         if self._filter is None or scan is None or mapper.hidden:
             return
@@ -243,7 +243,7 @@ class LocalizationView(Part):
             result.slot(self.message())
 
     def note(self, command: Struct, result: TickResult) -> None:
-        """End with another sensor or world; of a robot that was carried elsewhere the filter is not told."""
+        """End if the sensor or the world changes. The filter is not informed that the robot was moved."""
         if self._filter is None:
             return
         if isinstance(command, TeleportCommand):

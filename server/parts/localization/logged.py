@@ -1,4 +1,4 @@
-"""The localization of a log in a reference map: the map, the particles and the estimate along the way."""
+"""The localization of a log in a reference map: the map, the particles and the estimates over time."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from server.stream.layers import Layer, TableLayer
 if TYPE_CHECKING:
     from server.library.processing.localization import LocalizeProgress
 
-LOCALIZED = "localized"  #: the trajectory of poses that were found in the reference map
+LOCALIZED = "localized"  #: the trajectory of poses from localization
 MOST_POINTS = 1000  #: of the series that pages plot
 
 
@@ -48,7 +48,7 @@ class LogLocalization(Part, Localized):
         self._newest: tuple[str, FilterStates] | None = None  #: which the model may not show yet
         self._shown: tuple[str, FilterStates] | None = None
         self._report: LocalizeProgress | None = None
-        self._drawn: tuple[FilterStates, int] | None = None  #: the states and the scan whose particles are in the layer
+        self._drawn: tuple[FilterStates, int] | None = None  #: the states and the scan of the particles in the layer
         self._given: ReferenceMap | None = None
         self._map: GridLayer | None = None
         self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
@@ -57,7 +57,7 @@ class LogLocalization(Part, Localized):
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The reference map, and the particles while there are some."""
+        """The reference map, and the particles if there are any."""
         is_on = self._report is not None or self._states is not None
         maps = () if self._map is None else (self._map,)
         return (*maps, self._particles) if is_on else maps
@@ -75,7 +75,7 @@ class LogLocalization(Part, Localized):
 
     @property
     def plan(self) -> Plan:
-        """The map that the log is localized in, as a plan for parts; the poses that were found there are in it."""
+        """The map in which the log is localized, as a plan for parts. Localized poses are in its frame."""
         return Plan(
             "the map of the group Localize, for poses in that map",
             self._static_map,
@@ -90,7 +90,7 @@ class LogLocalization(Part, Localized):
         return StaticMap(grid_of_values(reference.geometry, reference.values), reference.keepout, reference.speed)
 
     def handle(self, command: ShowReferenceMap | ShowFilterStates, result: TickResult) -> None:
-        """Show a map, or the states of the filter that a trajectory comes with."""
+        """Show a map, or the filter states of a trajectory."""
         result.changed = True
         if isinstance(command, ShowFilterStates):
             self._shown = (command.trajectory, command.states)
@@ -107,7 +107,7 @@ class LogLocalization(Part, Localized):
         self._map.update(grid, MappingConfig(), None, whole=True)
 
     def note(self, command: Struct, result: TickResult) -> None:
-        """Show the newest report of a job that runs, until it ends."""
+        """Show the newest report of a running job, until it ends."""
         if isinstance(command, PosesSoFar) and command.report is not None:
             self._report, self.is_on = command.report, True
             self._particles.set(self._report.particles.T)
@@ -117,7 +117,7 @@ class LogLocalization(Part, Localized):
             result.slot(self.message())
 
     def changed(self, result: TickResult) -> None:
-        """Bring the particles to the newest scan."""
+        """Show the particles of the newest scan."""
         states, scan = self._states, max(self._recording.replay.index - 1, 0)
         drawn, at = self._drawn or (None, scan)
         if self._report is not None or (drawn is states and at == scan):
@@ -132,11 +132,11 @@ class LogLocalization(Part, Localized):
         result.slot(self.message())
 
     def messages(self) -> list[LocalizationMessage]:
-        """Return the message ``localization``."""
+        """Return the ``localization`` message."""
         return [self.message()]
 
     def message(self) -> LocalizationMessage:
-        """Return the message ``localization``."""
+        """Return the ``localization`` message."""
         if self._report is not None:
             report = self._report
             covariance, pose = report.covariance, rounded_pose(report.poses[-1])
@@ -175,9 +175,9 @@ class LogLocalization(Part, Localized):
     # -- on the event loop ----------------------------------------------------------------------------------------
 
     async def public(self, source: GraphSource) -> FilterHistory | None:
-        """Return the series of the trajectory in use, None where it comes from no localization; show its layers.
+        """Return the series of the current trajectory, None if it does not come from localization; show its layers.
 
-        ``source`` reads its file. Raises :class:`mapper.core.errors.ReadError` for a file that cannot be read.
+        ``source`` reads its file. Raises :class:`mapper.core.errors.ReadError` if the file cannot be read.
         """
         async with self._changing:
             name = self._recording.trajectory
@@ -195,12 +195,12 @@ class LogLocalization(Part, Localized):
             return await self._host.on_thread(partial(series_of, states, self._recording.recorded))
 
     def forget(self) -> None:
-        """Read the file again when it is asked for next: its trajectory was replaced."""
+        """Reread the file on the next request, because its trajectory was replaced."""
         self._newest = None
 
 
 def series_of(states: FilterStates, seconds: np.ndarray[Any, Any]) -> FilterHistory:
-    """Return the numbers over the log's ``seconds`` (n,), each k-th scan of a long one."""
+    """Return the numbers over the log's ``seconds`` (n,); of a long log, every k-th scan."""
     n = len(states.share)
     at = np.unique(np.linspace(0, n - 1, min(n, MOST_POINTS)).round().astype(int))
     xy = np.trace(states.covariance[at, :2, :2], axis1=1, axis2=2)

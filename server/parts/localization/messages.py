@@ -1,4 +1,4 @@
-"""The command and the message of a localization, as the stream has them."""
+"""The stream's command and message of a localization."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from server.stream.message_parts import Pose, UncheckedValues, Values
 if TYPE_CHECKING:
     from mapper.core.array_types import Float64Array
 
-COLUMNS = ("x", "y", "yaw", "value")  #: of the layer of the particles
+COLUMNS = ("x", "y", "yaw", "value")  #: of the particle layer
 
 
 class LocalizeCommand(Struct, tag_field="type", tag="localize"):
-    """Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it."""
+    """Simulations: begin to localize the robot in a map, from an unknown pose, change the parameters, or end it."""
 
     value: Annotated[bool, Meta(description="whether it is localized")] = False
     values: Annotated[UncheckedValues, Meta(description="localization parameters that differ from the first ones")] = {}
@@ -56,18 +56,18 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
 
 
 def rounded_pose(pose: Iterable[float]) -> tuple[float, float, float]:
-    """Return a pose as messages have it."""
+    """Return a pose, rounded for messages."""
     x, y, yaw = (round(float(value), 4) for value in pose)
     return x, y, yaw
 
 
 def rounded_covariance(c: Float64Array) -> tuple[float, float, float, float]:
-    """Return a covariance (3, 3) as messages have it: xx, xy, yy in m², yaw in rad²."""
+    """Return a covariance (3, 3), rounded for messages: xx, xy, yy in m², yaw in rad²."""
     xx, xy, yy, yaw = (round(float(value), 6) for value in (c[0, 0], c[0, 1], c[1, 1], c[2, 2]))
     return xx, xy, yy, yaw
 
 
-#: of a session without a filter
+#: for a session without a filter
 OFF = LocalizationMessage(
     is_on=False, map="plan", values={}, pose=None, at=None, covariance=None, is_converged=False, is_sure=False,
     share=0.0, fit=0.0, entropy=0.0, n_particles=0, n_updates=0, error_m=None, error_rad=None,

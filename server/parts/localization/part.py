@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def part_of(offers: Offers) -> Part | None:
-    """Return the part of a simulation or a log; that of a log offers the map that the log is localized in."""
+    """Return the part for a simulation or a log. A log's part offers the map in which the log is localized."""
     if offers.simulation is not None:
         from server.parts.localization.live import LocalizationView  # noqa: PLC0415 - imports the filter
 

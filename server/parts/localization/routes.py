@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/localization``: find the robot of a log in a reference map, by Monte Carlo localization."""
+"""``/api/sessions/{id}/localization``: localize a log in a reference map by Monte Carlo localization."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MOST_YAML_BYTES = 1 << 16
 
 
 class MapOfLog(BaseModel, extra="forbid"):
-    """The map of a log: of the session's own or of another one."""
+    """The map of the session's log or of another one."""
 
     log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
     topic: str | None = Field(None, max_length=400, description="Sensor of that log, if it has several.")
@@ -50,7 +50,7 @@ class MapOfLog(BaseModel, extra="forbid"):
 
 
 class NewLocalization(BaseModel, extra="forbid"):
-    """A localization of a session's log in the map that was chosen."""
+    """A localization of a session's log in the chosen map."""
 
     initial_pose: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = Field(
         None, description="Where in the map the robot starts: x, y (m) and yaw (rad); else anywhere."
@@ -64,15 +64,15 @@ class NewLocalization(BaseModel, extra="forbid"):
 
 @router.get("/localization/parameters")
 async def parameters() -> ParameterTable:
-    """Return the table of localization's parameters, which are AMCL's."""
+    """Return the table of localization's parameters, which are those of AMCL."""
     return await asyncio.to_thread(parameter_table)
 
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
-    """What the yaml of an AMCL says: ``values`` that differ from the first ones.
+    """The parameters in an AMCL yaml file: the ``values`` that differ from the defaults.
 
-    ``others`` are what does not change where the robot is found; ``notes`` are on names that AMCL does not have.
+    ``others`` are parameters that do not affect the poses; ``notes`` concern names that AMCL does not have.
     """
 
     values: Parameters
@@ -83,10 +83,10 @@ class AmclParameters:
 
 @router.put("/localization/parameters", openapi_extra=FILE_BODY)
 async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> AmclParameters:
-    """Return the parameters in the yaml of an AMCL, the body, that differ from the first values.
+    """Return the parameters in an AMCL yaml file, the body, that differ from the defaults.
 
-    ``others`` are what does not change where the robot is found, and ``layout`` is nav2 or ros1: a yaml that is saved
-    with them keeps it.
+    ``others`` are parameters that do not affect the poses, and ``layout`` is nav2 or ros1. A yaml file saved with both
+    keeps them.
     """
     text = bytearray()
     async for chunk in request.stream():
@@ -109,9 +109,9 @@ async def as_yaml(
     values: Annotated[dict[str, Any], Body(max_length=100)],
     layout: Annotated[Literal["nav2", "ros1"], Query(description="Names of Nav2's AMCL, or of ROS 1's.")] = "nav2",
 ) -> PlainTextResponse:
-    """Return parameters, those that differ from the first values, as the yaml of an AMCL.
+    """Return parameters, those that differ from the defaults, as an AMCL yaml file.
 
-    Names of AMCL's that do not change where the robot is found are written as they are.
+    AMCL parameters that do not affect the poses are written unchanged.
     """
 
     def write() -> str:
@@ -128,7 +128,7 @@ async def as_yaml(
 
 @router.put("/sessions/{session_id}/localization/map")
 async def map_of_log(request: Request, library: Logs, sessions: Sessions, session_id: str, body: MapOfLog) -> ChosenMap:
-    """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
+    """Choose the map in which to localize the session's log: the map of a log along one of its trajectories."""
     of_log = writable_session(sessions, session_id)
     _check_idle(library, of_log.owner, of_log.log_id)
     reference = await library.maps.of_log(
@@ -145,9 +145,9 @@ async def map_of_files(
     session_id: str,
     name: Annotated[str, Query(max_length=200, description="Title of the map.")] = "map",
 ) -> ChosenMap:
-    """Choose the map to localize the session's log in: the body is a tar archive of a yaml and its image.
+    """Choose the map for localizing the session's log: the body is a tar archive of a yaml file and its image.
 
-    Or a map of CMU's course.
+    It may also be a map of CMU's course.
     """
     of_log = writable_session(sessions, session_id)
     _check_idle(library, of_log.owner, of_log.log_id)
@@ -162,7 +162,7 @@ async def map_of_files(
 
 @router.get("/sessions/{session_id}/localization/map")
 async def reference_map(library: Logs, sessions: Sessions, session_id: str) -> ChosenMap:
-    """Return the map that was chosen, and show it as a layer of the session; ``map`` is null where none was."""
+    """Return the chosen map, and show it as a layer of the session. ``map`` is null if none was chosen."""
     of_log = writable_session(sessions, session_id)
     try:
         return _show(of_log.session, await library.maps.get(of_log.owner, of_log.log_id))
@@ -174,9 +174,9 @@ async def reference_map(library: Logs, sessions: Sessions, session_id: str) -> C
 
 @router.post("/sessions/{session_id}/localization", status_code=202)
 async def begin(library: Logs, sessions: Sessions, session_id: str, body: NewLocalization) -> LocalizationStatus:
-    """Find the robot of the session's log in the map that was chosen, as a job, and show the poses so far.
+    """Localize the session's log in the chosen map as a job, and show the poses so far.
 
-    A job that is under way goes on, and the session follows it. The log then has a trajectory ``localized``.
+    If such a job is under way, the session follows it. Afterwards the log has a trajectory ``localized``.
     """
     of_log = writable_session(sessions, session_id)
     owner, log_id, session = of_log.owner, of_log.log_id, of_log.session
@@ -205,7 +205,7 @@ async def cancel(library: Logs, sessions: Sessions, session_id: str) -> Localiza
 
 @dataclass(frozen=True, slots=True)
 class PresentHistory:
-    """The history of the filter that made the poses in use; null where they come from no localization."""
+    """The history of the filter that estimated the current poses; ``course`` is null without localization."""
 
     course: FilterHistory | None
 
@@ -213,9 +213,9 @@ class PresentHistory:
 @router.get("/sessions/{session_id}/localization/course")
 @guests_may(GuestRight.LINKED_SESSION)
 async def filter_history(library: Logs, sessions: Sessions, session_id: str) -> PresentHistory:
-    """Return how certain the poses in use are along the log; particles and the map become layers of the session.
+    """Return the uncertainty of the current poses along the log. Particles and the map become layers of the session.
 
-    ``course`` is null for poses that do not come from a localization.
+    ``course`` is null for poses that do not come from localization.
     """
     of_log = session_of_log(sessions, session_id)
     session, log_id = of_log.session, of_log.log_id

@@ -1,4 +1,4 @@
-"""The mapping parameters of a model: commands change them, and a tick recomputes the map at most once."""
+"""The mapping parameters of a model. Commands change them, and a tick recomputes the map at most once."""
 
 from __future__ import annotations
 
@@ -20,15 +20,14 @@ from server.stream.messages import FrameMessage, ParametersMessage
 
 
 class MappingParameters(Part):
-    """The parameters of the present map, and the requested ones.
+    """The parameters of the current map, and the requested ones.
 
-    ``remake`` recomputes the whole map with other parameters; if it raises :class:`MapperError`, nothing has
-    changed. ``message`` returns the ``parameters`` message. Parameters without one of ``rows`` keep their initial
-    values.
+    ``remake`` recomputes the whole map with other parameters; if it raises :class:`MapperError`, nothing has changed.
+    ``message`` returns the ``parameters`` message. Parameters that are not in ``rows`` keep their initial values.
     """
 
     commands = (ParametersCommand,)
-    is_on = False  # the map that it changes is its source's
+    is_on = False  # the map that it changes belongs to the source
 
     def __init__(
         self,
@@ -38,15 +37,15 @@ class MappingParameters(Part):
         message: Callable[[], ParametersMessage],
         rows: tuple[Parameter, ...] = PARAMETERS,
     ) -> None:
-        self.config = config  #: of the present map
+        self.config = config  #: of the current map
         self._host, self._remake, self._message = host, remake, message
         self._rows = rows
-        self._wanted = config  #: the requested ones; where they differ, the map is recomputed in :meth:`settle`
+        self._wanted = config  #: requested parameters; if they differ, :meth:`settle` recomputes the map
         self._asked_by: Client | None = None
         self._remade_ms: float | None = None
 
     def handle(self, command: ParametersCommand, result: TickResult) -> None:
-        """Take other parameters; :meth:`settle` recomputes the map. Raises :class:`mapper.core.errors.ConfigError`."""
+        """Request other parameters, which :meth:`settle` applies. Raises :class:`mapper.core.errors.ConfigError`."""
         fixed = {row.name: row.initial for row in PARAMETERS if row not in self._rows}
         self._wanted, self._asked_by = self._wanted.with_values(command.values).with_values(fixed), result.client
 
@@ -65,7 +64,7 @@ class MappingParameters(Part):
             with self._host.cancellable():
                 self._remake(self._wanted, result)
         except WorkCancelledError:
-            result.cancelled = True  # the next tick has the newer command, and applies these parameters too
+            result.cancelled = True  # the next tick carries out the newer command, and uses these parameters too
             return
         except MapperError as error:
             self._wanted = self.config
@@ -78,7 +77,7 @@ class MappingParameters(Part):
         result.slot(self._message())
 
     def cancel(self, result: TickResult) -> None:
-        """Drop the requested parameters that the map does not have yet; all clients get those that it has."""
+        """Drop requested parameters that are not applied yet, and send the applied ones to all clients."""
         if self._wanted != self.config:
             self._wanted, self._asked_by = self.config, None
             result.slot(self._message())
@@ -92,7 +91,7 @@ class MappingParameters(Part):
         return ParameterTable("Mapping", self._rows, asdict(self.config), ParametersCommand, ("model",))
 
     def complete_frame(self, frame: FrameMessage) -> None:
-        """Set the field of ``frame`` about the newest recomputation of the map."""
+        """Set the field of ``frame`` about the last recomputation of the map."""
         if self._remade_ms is not None:
             frame.remade_ms = round(self._remade_ms, 2)
 

@@ -1,4 +1,4 @@
-"""The message about notes, as the stream has it."""
+"""The stream's message about notes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from msgspec import Meta, Struct
 
 
 class NotesMessage(Struct, tag_field="type", tag="notes"):
-    """Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again."""
+    """Log sessions: a note on the log was written, changed or deleted. Pages then request the notes again."""
 
     changed_s: Annotated[float, Meta(description="when, seconds since 1970")]
 

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/notes``: the notes on a session's log. Guests of a link read them only."""
+"""``/api/sessions/{id}/notes``: the notes on a session's log. Guests of a link can only read them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Place = Annotated[FiniteFloat, Field(ge=-1e7, le=1e7)]
 
 
 class NewNote(BaseModel, extra="forbid"):
-    """A note as its author writes it."""
+    """A note as written by its author."""
 
     text: Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=2000)]
     at_s: FiniteFloat | None = Field(None, ge=-1e10, le=1e10, description="Seconds after the log's first scan.")
@@ -46,7 +46,7 @@ class NewNote(BaseModel, extra="forbid"):
     )
 
     def pin(self) -> Pin:
-        """Return where the note is."""
+        """Return the place and time of the note."""
         if self.outline is not None:
             return Pin(self.at_s, self.scan, outline=tuple(self.outline))
         return Pin(self.at_s, self.scan, self.x, self.y)
@@ -58,7 +58,7 @@ def _writable(sessions: SessionRegistry, library: Library, session_id: str) -> R
 
 
 def _announce(sessions: SessionRegistry, log_id: str) -> None:
-    """Have the pages of all sessions on a log, guests' as well, ask for its notes again."""
+    """Make the pages of all sessions on a log, including guests', request its notes again."""
     for session in sessions.all():
         recording = session.model.find(Recording)
         if recording is not None and recording.log_id == log_id:
@@ -75,7 +75,7 @@ class NoteList:
 @router.get("/{session_id}/notes")
 @guests_may(GuestRight.LINKED_SESSION)
 async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> NoteList:
-    """Return the notes on the session's log, oldest first; ``mine`` are those that this visitor may change."""
+    """Return the notes on the session's log, oldest first. ``mine`` marks those that this visitor may change."""
     of_log = session_of_log(sessions, session_id)
     pinned = await library.notes.of(of_log.log_id)
     is_guest = of_log.session.link is not None
@@ -85,7 +85,7 @@ async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
 @router.get("/{session_id}/notes.geojson", **file_answer("application/geo+json"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def notes_geojson(sessions: Sessions, library: Logs, session_id: str) -> Response:
-    """Return the notes on the session's log as GeoJSON; coordinates are metres in the frame of the poses."""
+    """Return the notes on the session's log as GeoJSON. Coordinates are metres in the frame of the poses."""
     of_log = session_of_log(sessions, session_id)
     pinned = await library.notes.of(of_log.log_id)
     text = await asyncio.to_thread(notes_as_geojson, pinned, _frame_of(of_log), of_log.session.model.title)
@@ -95,7 +95,7 @@ async def notes_geojson(sessions: Sessions, library: Logs, session_id: str) -> R
 @router.get("/{session_id}/notes.csv", **file_answer("text/csv"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def notes_csv(sessions: Sessions, library: Logs, session_id: str) -> Response:
-    """Return the notes on the session's log as a table; coordinates are metres in the frame of the poses."""
+    """Return the notes on the session's log as a table. Coordinates are metres in the frame of the poses."""
     of_log = session_of_log(sessions, session_id)
     pinned = await library.notes.of(of_log.log_id)
     text = await asyncio.to_thread(notes_as_csv, pinned, _frame_of(of_log))
@@ -114,7 +114,7 @@ def _as_file(of_log: SessionOfLog, text: str, ending: str, media_type: str) -> R
 
 @router.post("/{session_id}/notes", status_code=201)
 async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, written: NewNote) -> NoteAnswer:
-    """Pin a note to a time of the session's log, to a place on its map, or to both."""
+    """Attach a note to a time of the session's log, to a place on its map, or to both."""
     record = _writable(sessions, library, session_id)
     note = await library.notes.add(visitor, record, written.text, written.pin())
     _announce(sessions, record.id)
@@ -125,7 +125,7 @@ async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: s
 async def change(
     sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, note_id: str, written: NewNote
 ) -> NoteAnswer:
-    """Change the text and the pin of one's own note."""
+    """Change the text and the place or time of one's own note."""
     record = _writable(sessions, library, session_id)
     note = await library.notes.change(visitor, record.id, note_id, written.text, written.pin())
     _announce(sessions, record.id)

@@ -1,4 +1,4 @@
-"""The command and the message of a path, as the stream has them."""
+"""The stream's command and message of a path."""
 
 from __future__ import annotations
 

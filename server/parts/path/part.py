@@ -1,4 +1,4 @@
-"""The path from a session's robot to a goal on the costmap, planned again when one of them changes."""
+"""The path from a session's robot to a goal on the costmap, planned again after each change."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ CONTROL_S = 0.2  #: simulated time between two decisions of the follower of a pa
 
 
 class PathPart(Part):
-    """The goal and the path to it, along which the robot drives where it can; it ends with its costmap."""
+    """The goal and the path to it, along which the robot drives if possible. It ends with its costmap."""
 
     commands = (GoalCommand,)
     recorded = (GoalCommand,)
@@ -52,35 +52,35 @@ class PathPart(Part):
         robot: Callable[[], Robot],
         drive: Callable[[float, float, TickResult], None] | None,
     ) -> None:
-        """``costing``, ``robot`` and ``drive`` as :class:`server.sessions.part.Offers` has them."""
+        """``costing``, ``robot`` and ``drive`` are those of :class:`server.sessions.part.Offers`."""
         self.followed, self._robot, self._drive = costing, robot, drive
         self._begin(None)
-        self._steered = -math.inf  #: when the follower was last asked, simulated seconds
+        self._steered = -math.inf  #: when the follower was last called, simulated seconds
 
     def _begin(self, costs: Costs | None) -> None:
-        """Have no goal yet, on these costs."""
+        """Start without a goal, on these costs."""
         self._costs = costs
         self._path = PathToGoal()
-        self._is_stale = False  #: whether the path has to be planned again
-        self._revision = -1  #: of the costs that it was planned on
-        self._planned: Robot | None = None  #: the robot that it was planned for
+        self._is_stale = False  #: whether the path must be planned again
+        self._revision = -1  #: of the costs on which the path was planned
+        self._planned: Robot | None = None  #: the robot for which the path was planned
         self._number = -1  #: of the newest scan
 
     def _current(self) -> Costs | None:
-        """Return the present costs; on others than before there is no goal yet."""
+        """Return the current costs. If they were replaced, remove the goal."""
         costs = self.followed.costmap
         if costs is not self._costs:
             self._begin(costs)
-            self.is_on = True  # without costs, until the pages know that there is no path any more
+            self.is_on = True  # without costs, until the pages are told that there is no path any more
         return costs
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The path and its potential; none without a costmap."""
+        """The path and its potential; empty without a costmap."""
         return () if self._costs is None else self._path.layers
 
     def messages(self) -> tuple[PathMessage]:
-        """Return the message ``path``."""
+        """Return the ``path`` message."""
         return (self._path.message(),)
 
     def history(self) -> list[GoalCommand]:
@@ -100,13 +100,13 @@ class PathPart(Part):
         self._is_stale = result.changed = True
 
     def note(self, command: Struct, result: TickResult) -> None:
-        """Stop driving along the path where the robot is driven by other commands."""
+        """Stop driving along the path when another command drives the robot."""
         if isinstance(command, DriveCommand | AutoCommand) and self._current() is not None and self._path.drives:
             self._path.drives = False
             result.slot(*self.messages())
 
     def advance(self, seconds: float, result: TickResult) -> float:
-        """Drive as the follower of the path wants."""
+        """Drive as the path follower commands."""
         costs = self._current()
         if costs is None or not self._path.drives:
             return seconds
@@ -124,10 +124,10 @@ class PathPart(Part):
             linear, angular = (round(float(v), 3) for v in velocities)
             self._drive(linear, angular, result)
         if not self._path.drives:
-            result.slot(*self.messages())  # it has arrived
+            result.slot(*self.messages())  # the robot has arrived
 
     def changed(self, result: TickResult) -> None:
-        """Plan again where the costs, the goal or the robot are others."""
+        """Plan again if the costs, the goal or the robot have changed."""
         costs = self._current()
         if costs is None:
             self.is_on = False
@@ -154,7 +154,7 @@ class PathPart(Part):
 part_of = PathPart.of
 
 
-ARRIVED_M = 0.12  #: distance of the end of the path at which the robot has arrived
+ARRIVED_M = 0.12  #: distance from the end of the path at which the robot has arrived
 PASSABLE = INSCRIBED - 1
 Goal = tuple[float, float]
 
@@ -177,22 +177,22 @@ class PathToGoal:
         self._line = TableLayer("plan", "Path", "plan", ("x", "y"), "path")
         self._potential = GridLayer("potential", "Potential", "potential")
         self._potential.is_on_demand = True
-        self._geometry: GridGeometry | None = None  #: of the costs in which there was a path first; None before
+        self._geometry: GridGeometry | None = None  #: of the costs in which a path was first found; None before
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The path, and the potential while there is one."""
+        """The path, and the potential if there is one."""
         return (self._line,) if self._geometry is None else (self._line, self._potential)
 
     def head_for(self, goal: Goal | None, *, drives: bool) -> None:
-        """Set the goal in map metres; None for no goal."""
+        """Set the goal in map metres; None removes it."""
         self.goal, self.drives = goal, drives and goal is not None
         self._carrot = None
 
     def limit(self, limit: SpeedLimit | None, greatest: float | None) -> bool:
-        """Take the speed limit of the robot's place; return whether its words have changed.
+        """Set the speed limit at the robot's place; return whether its text has changed.
 
-        ``greatest`` is the robot's speed without a limit, m/s, None where nothing drives.
+        ``greatest`` is the robot's speed without a limit, m/s, None if nothing drives.
         """
         before, self._limit = self._limit_words, limit
         if limit is None or limit.limit is None:
@@ -204,11 +204,10 @@ class PathToGoal:
         return before != self._limit_words
 
     def plan(self, costs: Costs, pose: PoseTuple, *, are_new: bool = True) -> None:
-        """Plan the path from the robot's pose, and keep the reason where there is none.
+        """Plan the path from the robot's pose, and store the reason if there is none.
 
-        Without ``are_new`` the costs are those of the last call: where the
-        robot and the planner's parameters are the same too, a goal that moved has its path traced in the cost to come
-        that is known.
+        Unless ``are_new``, the costs are those of the last call. If the robot and the planner's parameters are
+        unchanged too, the path to a moved goal is traced in the existing cost to come.
         """
         self._path = self._reason = self._travel_s = None
         started = time.perf_counter()
@@ -220,7 +219,7 @@ class PathToGoal:
                 if are_new or planner is None or planner.config != costs.planner or not planner.begins_at(pose[:2]):
                     own = costs.costs
                     begun = _with_room(own, costs.geometry, pose, costs.radius)
-                    begun = begun.copy() if begun is own else begun  # the costmap goes on writing its own
+                    begun = begun.copy() if begun is own else begun  # the costmap keeps writing its own array
                     self._planner = planner = GoalPlanner(begun, costs.geometry, pose[:2], costs.planner)
                 self._path = planner.plan(pose[:2], self.goal)
                 greatest = costs.pursuit.desired_linear_vel
@@ -251,7 +250,7 @@ class PathToGoal:
         return True
 
     def control(self, pose: PoseTuple, pursuit: PursuitConfig) -> tuple[float, float] | None:
-        """Return the velocities (m/s, rad/s) of a robot that drives along the path; None where it does not drive."""
+        """Return the velocities (m/s, rad/s) of a robot that drives along the path; None if it does not drive."""
         path = self._path
         if not self.drives or path is None:
             self._carrot = None
@@ -266,7 +265,7 @@ class PathToGoal:
         return command.linear, command.angular
 
     def message(self) -> PathMessage:
-        """Return the message ``path``."""
+        """Return the ``path`` message."""
         path = self._path
         return PathMessage(
             goal=_rounded(self.goal),
@@ -287,9 +286,9 @@ def _rounded(place: Goal | None) -> Goal | None:
 
 
 def _with_room(costs: UInt8Array, geometry: GridGeometry, pose: PoseTuple, radius: float) -> UInt8Array:
-    """Return the costs with a way out for a robot that stands where its costmap says that it cannot.
+    """Return costs with a way out for a robot that stands where its costmap does not allow it.
 
-    Where its cell is blocked, the blocked cells within ``radius`` m are passable; NavFn frees the start's cell only.
+    If its cell is blocked, the blocked cells within ``radius`` m become passable. NavFn frees only the start cell.
     """
     row, col = (int(k) for k in geometry.world_to_cell(pose[:2]))
     if not geometry.contains((row, col)) or costs[row, col] < INSCRIBED:

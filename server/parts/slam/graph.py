@@ -1,4 +1,4 @@
-"""The pose graph of a log session's trajectory: shown as a layer, questioned and changed by hand."""
+"""The pose graph of a log session's trajectory: its layer, its questions and its manual changes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ LAYER = "graph"
 
 
 def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
-    """Return the solution of a graph's file, which a trajectory of ``log`` was made with (worker thread).
+    """Return the solution of the graph file of a trajectory of ``log`` (worker thread).
 
     Raises :class:`mapper.core.errors.MapperError` for an invalid file, or one that belongs to other scans.
     """
@@ -50,7 +50,7 @@ def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
 
 
 def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
-    """Return the present poses of a graph as TUM lines of ``log``, and the graph as a file (worker thread)."""
+    """Return the current poses of a graph as TUM lines of ``log``, and the graph as a file (worker thread)."""
     from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
     graph = replace(solved.graph, poses=solved.node_poses)
@@ -59,17 +59,17 @@ def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
 
 
 class LogGraph(Part, Graphed):
-    """The graph of a log session's present trajectory, if it has one, and its layer."""
+    """The graph of a log session's current trajectory, if it has one, and its layer."""
 
     commands = (ShowGraph,)
-    is_on = False  # until the graph of a trajectory was asked for
+    is_on = False  # until the graph of a trajectory is requested
 
     def __init__(
         self, host: ModelHost, recording: Recording, update_log: Callable[[ScanLog, TickResult], None]
     ) -> None:
         self._host, self._recording, self._update_log = host, recording, update_log
         self._newest: SolvedGraph | None = None  #: which the model may not show yet
-        self._unshown: SolvedGraph | None = None  #: which was read for its residuals alone
+        self._unshown: SolvedGraph | None = None  #: which was read only for its residuals
         self._changing = asyncio.Lock()  #: held while the graph is read or changed
         self._shown: SolvedGraph | None = None
         self._layer: GraphLayer | None = None
@@ -80,7 +80,7 @@ class LogGraph(Part, Graphed):
 
     @property
     def layers(self) -> tuple[GraphLayer, ...]:
-        """The layer of the graph, while the map is that of its trajectory."""
+        """The layer of the graph, while the map uses its trajectory."""
         is_shown = self._shown is not None and self._shown.trajectory == self._recording.trajectory
         return (self._layer,) if is_shown and self._layer is not None else ()
 
@@ -106,7 +106,7 @@ class LogGraph(Part, Graphed):
     # -- on the event loop --------------------------------------------------------------------------------------
 
     async def public(self, source: GraphSource) -> PoseGraphAnswer:
-        """Return the loops of the present trajectory's graph, and show its layer.
+        """Return the loops of the current trajectory's graph, and show its layer.
 
         ``source`` reads the graph's file. Raises :class:`ConfigError` for a trajectory without a graph.
         """
@@ -114,19 +114,19 @@ class LogGraph(Part, Graphed):
             return (await self._present(source)).public()
 
     async def edge(self, edge: int, source: GraphSource) -> EdgeAnswer:
-        """Return an edge with both of its scans. Raises as :meth:`public` and :meth:`SolvedGraph.edge`."""
+        """Return an edge with both of its scans. Raises like :meth:`public` and :meth:`SolvedGraph.edge`."""
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.edge, self._recording.log, edge))
 
     async def constraints(self, scan: int, source: GraphSource) -> ScanConstraints:
-        """Return the edges that determine the pose of a scan. Raises as :meth:`public`, and for an unknown scan."""
+        """Return the edges that determine the pose of a scan. Raises like :meth:`public`, and for an unknown scan."""
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.constraints, scan))
 
     async def landscape(self, edge: int, source: GraphSource) -> ScoreLandscape:
-        """Return the scores of the poses around an edge. Raises as :meth:`edge`."""
+        """Return the scores of the poses around an edge. Raises like :meth:`edge`."""
         from server.parts.slam.loop_landscape import (  # noqa: PLC0415 - imports SLAM, few need it
             landscape_of,
         )
@@ -136,27 +136,27 @@ class LogGraph(Part, Graphed):
         return await self._host.on_thread(partial(landscape_of, solved, self._recording.log, edge))
 
     async def residuals(self, source: GraphSource) -> Series:
-        """Return by how much the poses miss the graph's measurements, over time. Raises as :meth:`public`."""
+        """Return the residuals of the graph's measurements over time. Raises like :meth:`public`."""
         async with self._changing:
             solved = await self._read(source)
         return await self._host.on_thread(partial(solved.residuals, self._recording.log))
 
     async def near(self, x: float, y: float, source: GraphSource) -> TriedNear:
-        """Return the loops that were tried near a place. Raises as :meth:`public`."""
+        """Return the loops that were tried near a place. Raises like :meth:`public`."""
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.near, x, y))
 
     async def candidate(self, candidate: int, source: GraphSource) -> TriedLoopScans:
-        """Return a loop that was tried with both of its scans. Raises as :meth:`public`."""
+        """Return a tried loop with both of its scans. Raises like :meth:`public`."""
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.candidate, self._recording.log, candidate))
 
     async def change(self, change: GraphChange, source: GraphSource) -> PoseGraphAnswer:
-        """Change the graph, solve it and map the log along its poses; return as :meth:`public`.
+        """Change the graph, solve it and map the log along its poses; return the same as :meth:`public`.
 
-        Raises :class:`mapper.core.errors.MapperError` for a change that cannot be made; nothing has changed then.
+        Raises :class:`mapper.core.errors.MapperError` for an impossible change; nothing has changed then.
         """
         async with self._changing:
             solved = await self._present(source)
@@ -165,20 +165,20 @@ class LogGraph(Part, Graphed):
             return solved.public()
 
     async def files(self, source: GraphSource) -> tuple[str, bytes, bytes]:
-        """Return the name of the trajectory, its present poses as TUM lines, and the file of the present graph."""
+        """Return the name of the trajectory, its current poses as TUM lines, and the file of the current graph."""
         async with self._changing:
             solved = await self._present(source)
         return (solved.trajectory, *await self._host.on_thread(partial(files_of, solved, self._recording.log)))
 
     async def _present(self, source: GraphSource) -> SolvedGraph:
-        """Return the graph of the present trajectory, and show it."""
+        """Return the graph of the current trajectory, and show it."""
         solved = await self._read(source)
         if solved is not self._newest:
             self._give(solved)
         return solved
 
     async def _read(self, source: GraphSource) -> SolvedGraph:
-        """Return the graph of the present trajectory, which is read and solved where it was not yet."""
+        """Return the graph of the current trajectory; read and solve it if necessary."""
         name, log = self._recording.trajectory, self._recording.log
         for known in (self._newest, self._unshown):
             if known is not None and known.trajectory == name:
@@ -192,10 +192,10 @@ class LogGraph(Part, Graphed):
         return self._unshown
 
     def _give(self, solved: SolvedGraph) -> None:
-        """Have the model show a graph and its poses."""
+        """Make the model show a graph and its poses."""
         self._newest, self._unshown = solved, None
         self._host.enqueue(ShowGraph(solved))
 
     def forget(self) -> None:
-        """Read the graph again when it is asked for next: its trajectory was replaced."""
+        """Reread the graph on the next request, because its trajectory was replaced."""
         self._newest = self._unshown = None

@@ -1,4 +1,4 @@
-"""View of SLAM in a simulation while the robot drives: its graph, and the true path beside it."""
+"""View of SLAM in a simulation while the robot drives: its graph and the true path."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ MOST_PLACES = 3000  #: of the true path
 
 
 class SlamView(Part):
-    """The layers of SLAM, while the map is made with the poses that it corrects."""
+    """The layers of SLAM, while the map uses the poses that it corrects."""
 
     def __init__(self, mapper: LiveMap) -> None:
         self._mapper = mapper
         self.is_on = mapper.faults.corrects_poses
         self._graph: GraphLayer | None = None
         self._path: TableLayer | None = None
-        self._scans = 0  # in the path
+        self._scans = 0  # number of scans in the path
 
     @property
     def layers(self) -> tuple[GraphLayer | TableLayer, ...]:
-        """The path, and the graph over it, or nothing."""
+        """The path, and the graph over it; empty while it is off."""
         return () if self._graph is None or self._path is None else (self._path, self._graph)
 
     def note(self, command: Struct, result: TickResult) -> None:  # noqa: ARG002 - the map says what the command did
-        """Begin or end with the correction of the poses."""
+        """Begin or end with the pose correction."""
         self.is_on = self._mapper.faults.corrects_poses
         if not self.is_on:
             self._graph = self._path = None

@@ -1,4 +1,4 @@
-"""SLAM of a simulated robot while it drives: the poses of its scans, and the graph that they come from."""
+"""SLAM of a simulated robot while it drives: the poses of its scans, and the graph from which they come."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from mapper.simulation.robot import PoseTuple
 from mapper.slam import Slam, SlamConfig
 from server.stream.layers import GraphLayer
 
-N_BEAMS = 180  #: of a scan that are matched: 1 to 3 ms each, eight times faster than real time too
-DISTANCE, TURN = 0.1, 0.1  #: metres, radians: a scan is matched where the odometry moved this far
+N_BEAMS = 180  #: matched beams of a scan: 1 to 3 ms each, fast enough at eight times real time too
+DISTANCE, TURN = 0.1, 0.1  #: metres, radians: a scan is matched once the odometry moved this far
 MOST_NODES = 3000  #: about 25 MB; later scans follow the odometry
 
 
 class LiveSlam:
-    """The poses of a sensor's scans, of which each is matched that was taken far enough from the one before.
+    """The poses of a sensor's scans. A scan is matched if it was taken far enough from the last matched one.
 
-    ``log`` states the sensor, whose first scan is taken at ``start``. A
+    ``log`` describes the sensor, whose first scan is taken at ``start``. This is a
     :class:`mapper.simulation.pose_correction.Corrector`. Raises :class:`mapper.core.errors.ConfigError` for a sonar.
     """
 
@@ -31,8 +31,8 @@ class LiveSlam:
         config = SlamConfig(n_beams=N_BEAMS, node_distance=DISTANCE, node_turn=TURN)
         self._slam = Slam(log, config)
         self._start = np.array(start)
-        self._node = np.empty(512, dtype=np.int64)  # of each scan the newest node at it
-        self._since = np.empty((512, 3))  # and the motion since
+        self._node = np.empty(512, dtype=np.int64)  # for each scan, the newest node
+        self._since = np.empty((512, 3))  # and the motion since that node
         self._n = 0
         self._distance, self._angle = 0.0, 0.0  # since the newest node
         self._drawn = (0, 0)
@@ -44,12 +44,12 @@ class LiveSlam:
 
     @property
     def newest(self) -> PoseTuple:
-        """The last of them."""
+        """The last pose."""
         node = self._slam.poses[self._node[self._n - 1]]
         return compose_one(node.tolist(), self._since[self._n - 1].tolist())
 
     def add(self, ranges: NDArray[np.float32], motion: PoseTuple) -> bool:
-        """Add a scan (n_beams,), ``motion`` (3,) after the one before; return whether earlier poses have moved."""
+        """Add a scan (n_beams,), ``motion`` (3,) after the previous one; return whether earlier poses have moved."""
         if self._n == len(self._node):
             self._node = np.concatenate([self._node, np.empty_like(self._node)])
             self._since = np.concatenate([self._since, np.empty_like(self._since)])
@@ -67,7 +67,7 @@ class LiveSlam:
         return moved
 
     def draw(self, layer: GraphLayer) -> None:
-        """Write the nodes and edges, where they have changed; an edge's value is 0 for a loop, NaN for odometry."""
+        """Write the nodes and edges if they have changed. An edge's value is 0 for a loop, NaN for odometry."""
         now = len(self._slam), self._slam.n_loops
         if now == self._drawn:
             return
@@ -78,5 +78,5 @@ class LiveSlam:
 
 
 def live_slam(log: ScanLog, start: PoseTuple) -> LiveSlam | None:
-    """Return SLAM of a log's sensor; None for a sonar, whose readings are too wide to be matched."""
+    """Return SLAM for a log's sensor; None for a sonar, whose beams are too wide for matching."""
     return None if log.beam_width > 0.0 else LiveSlam(log, start)

@@ -1,4 +1,4 @@
-"""The score of the poses around a loop of a pose graph: why the loop is where it is, and how certain that is."""
+"""The score of the poses around a loop of a pose graph, which shows how certain the loop is."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ CONFIG = MatchConfig(
 
 
 def landscape_of(solved: SolvedGraph, log: ScanLog, edge: int) -> ScoreLandscape:
-    """Return the score of the later scan of an edge at the poses around the edge's measurement.
+    """Return the score of an edge's later scan at the poses around the edge's measurement.
 
-    Raises :class:`mapper.core.errors.ConfigError` for an edge that there is not, and for scans without points.
+    Raises :class:`mapper.core.errors.ConfigError` for an unknown edge, and for scans without points.
     """
     graph = solved.graph
     solved.check_edge(edge)

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 router = APIRouter(prefix="/api", tags=["logs"])
 
-_tasks: set[asyncio.Task[None]] = set()  # of merges that have ended: asyncio itself keeps no reference
+_tasks: set[asyncio.Task[None]] = set()  # of finished merges, because asyncio itself keeps no reference
 
 
 class NewSlam(BaseModel, extra="forbid"):
@@ -74,7 +74,7 @@ class PoseCorrection(BaseModel, extra="forbid"):
 
 
 class ChangeOfGraph(BaseModel, extra="forbid"):
-    """A change of a pose graph by hand; what is left out stays."""
+    """A manual change of a pose graph. Omitted fields change nothing."""
 
     remove: int | None = Field(None, ge=0, description="Number of a loop to remove.")
     lock: int | None = Field(None, ge=0, description="Number of a loop that the robust kernel may not weaken.")
@@ -87,7 +87,7 @@ class ChangeOfGraph(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class PresentGraph:
-    """The pose graph of the trajectory in use; null where it has none."""
+    """The pose graph of the current trajectory; ``graph`` is null if it has none."""
 
     graph: PoseGraphAnswer | None
 
@@ -117,7 +117,7 @@ async def parameters(_visitor: Visitor) -> ParameterTable:
 
 @router.post("/logs/{log_id}/slam", status_code=202)
 async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, body: NewSlam) -> SlamStatus:
-    """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
+    """Correct the poses of a log with SLAM as a job, which adds a trajectory to the log. A running job continues."""
     state = await library.slam.begin(visitor, log_id, SlamRequest(**dict(body)))
     tell_at_end(library, sessions, library.slam, visitor, log_id)
     return state
@@ -125,7 +125,7 @@ async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str
 
 @router.get("/logs/{log_id}/slam")
 async def state(library: Logs, visitor: Visitor, log_id: str) -> SlamStatus:
-    """Return the progress and the result of the visitor's newest SLAM of a log."""
+    """Return the progress and the result of the visitor's latest SLAM job for a log."""
     return library.slam.state(visitor, log_id)
 
 
@@ -141,9 +141,8 @@ async def correct_poses(
 ) -> SlamStatus:
     """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
 
-    SLAM uses the mount and the time offset of the session's map.
-
-    A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
+    SLAM uses the mount and the time offset of the session's map. If such a job is under way, the session follows it.
+    The job belongs to the visitor who began the session.
     """
     session, recording = _recorded(sessions, session_id)
     owner, log_id = session.owner, recording.log_id
@@ -158,7 +157,7 @@ async def correct_poses(
 
 @router.get("/sessions/{session_id}/heal")
 async def correction(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
-    """Return the progress and the result of SLAM of the session's log."""
+    """Return the progress and the result of SLAM for the session's log."""
     session, recording = _recorded(sessions, session_id)
     return library.slam.state(session.owner, recording.log_id)
 
@@ -190,9 +189,9 @@ def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tupl
 @router.get("/sessions/{session_id}/graph")
 @guests_may(GuestRight.LINKED_SESSION)
 async def graph(library: Logs, sessions: Sessions, session_id: str) -> PresentGraph:
-    """Return the pose graph of the trajectory in use: its loops, worst first; it becomes a layer of the session.
+    """Return the pose graph of the current trajectory, with its loops, worst first. It becomes a layer of the session.
 
-    ``graph`` is null where the trajectory has none.
+    ``graph`` is null if the trajectory has none.
     """
     _, graphed, source = _graph(library, sessions, session_id)
     try:
@@ -214,7 +213,7 @@ async def change(library: Logs, sessions: Sessions, session_id: str, body: Chang
 @router.get("/sessions/{session_id}/graph/edges/{edge}")
 @guests_may(GuestRight.LINKED_SESSION)
 async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) -> EdgeAnswer:
-    """Return an edge of the pose graph with both of its scans, in map metres, and how far it is from them."""
+    """Return an edge of the pose graph with both of its scans, in map metres, and the poses' deviation from it."""
     _, graphed, source = _graph(library, sessions, session_id)
     return await graphed.edge(edge, source)
 
@@ -222,7 +221,7 @@ async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) ->
 @router.get("/sessions/{session_id}/graph/scans/{scan}")
 @guests_may(GuestRight.LINKED_SESSION)
 async def constraints(library: Logs, sessions: Sessions, session_id: str, scan: int) -> ScanConstraints:
-    """Return which edges of the pose graph determine the pose of a scan, the greatest residual first."""
+    """Return the edges of the pose graph that determine the pose of a scan, the greatest residual first."""
     _, graphed, source = _graph(library, sessions, session_id)
     return await graphed.constraints(scan, source)
 
@@ -230,7 +229,7 @@ async def constraints(library: Logs, sessions: Sessions, session_id: str, scan: 
 @router.get("/sessions/{session_id}/graph/edges/{edge}/landscape")
 @guests_may(GuestRight.LINKED_SESSION)
 async def landscape(library: Logs, sessions: Sessions, session_id: str, edge: int) -> ScoreLandscape:
-    """Return how well the later scan of an edge fits the earlier one at the poses around the edge's measurement."""
+    """Return the match score of an edge's later scan against the earlier one, at poses around the measurement."""
     _, graphed, source = _graph(library, sessions, session_id)
     return await graphed.landscape(edge, source)
 
@@ -244,7 +243,7 @@ async def near(
     x: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
     y: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
 ) -> TriedNear:
-    """Return which loops SLAM tried near a place, and what refused them."""
+    """Return the loops that SLAM tried near a place, and why they were rejected."""
     _, graphed, source = _graph(library, sessions, session_id)
     return await graphed.near(x, y, source)
 
@@ -259,7 +258,7 @@ async def candidate(library: Logs, sessions: Sessions, session_id: str, candidat
 
 @router.post("/sessions/{session_id}/graph/keep")
 async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> TrajectoryAnswer:
-    """Keep the changed graph and its poses in the place of those that SLAM made."""
+    """Save the changed graph and its poses in place of the results of SLAM."""
     session, graphed, source = _graph(library, sessions, session_id)
     recording = session.model.find(Recording)
     if recording is None or session.owner != visitor or session.link is not None:
@@ -274,19 +273,19 @@ async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: 
 
 @router.post("/sessions/{session_id}/merge", status_code=202)
 async def begin_merge(library: Logs, sessions: Sessions, session_id: str, body: OtherLog) -> MergeStatus:
-    """Begin to align the session's log and another one of the same place, as a job.
+    """Align the session's log and another one of the same place, as a job.
 
-    Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
-    have a trajectory ``merged`` in one frame, and one more log has the scans of both along it, with a trajectory
-    ``SLAM`` that has their pose graph. Scans of clouds and depth images are cut as in the session, and the mount and
-    the time offset are those of its map.
+    SLAM corrects each log, their maps are aligned, and their scans are joined in one graph. Both logs then have a
+    trajectory ``merged`` in one frame, and one more log has the scans of both along it, with a trajectory ``SLAM`` that
+    has their pose graph. Scans of clouds and depth images are cut as in the session, with the mount and the time offset
+    of its map.
     """
     of_log = writable_session(sessions, session_id)
     view = of_log.recording.view()
     owner, first = of_log.owner, of_log.log_id
 
     async def tell() -> None:
-        with suppress(MapperError):  # a log was deleted meanwhile
+        with suppress(MapperError):  # a log was deleted in the meantime
             for log_id in (first, body.log):
                 await update_sessions(library, sessions, owner, log_id)
 

@@ -1,4 +1,4 @@
-"""A pose graph as SLAM left it and as changes by hand leave it: solved, drawn, and questioned."""
+"""A pose graph as estimated by SLAM and after manual changes: its solution, drawing and questions."""
 
 from __future__ import annotations
 
@@ -43,20 +43,20 @@ from server.stream.layers import GraphLayer
 
 KERNELS = ("geman_mcclure", "cauchy", "huber", "none")
 SCALES = (0.5, 50.0)  #: least and greatest scale of the kernel, in standard deviations
-NEAREST = 12  #: candidates that are listed for a place
-RADIUS = 3.0  #: metres around a place in which they are looked for
-WINDOW = 3.0  #: metres to each side in which a loop that is added by hand is matched
-LEAST_SCORE = 0.4  #: of such a match, 0 … 1
-LEAST_DEVIATIONS = (0.03, 0.03, 0.01)  #: m, m, rad: no match is taken to be more certain than this
-MAX_POINTS = 720  #: of one scan that is drawn
-LOOP_Z = 0.1  #: metres above the floor, and so above the path, at which the 3D view shows loops
+NEAREST = 12  #: maximum number of candidates listed for a place
+RADIUS = 3.0  #: metres around a place in which they are searched
+WINDOW = 3.0  #: metres to each side in which a manually added loop is matched
+LEAST_SCORE = 0.4  #: of such a match, 0 to 1
+LEAST_DEVIATIONS = (0.03, 0.03, 0.01)  #: m, m, rad: lower bound for the standard deviations of a match
+MAX_POINTS = 720  #: of one drawn scan
+LOOP_Z = 0.1  #: metres above the floor, and so above the path, at which the 3D view draws loops
 #: of loops that fit, that are strained, and that contradict the rest
 LOOP_COLOURS = np.array([(46, 130, 90), (214, 150, 30), (200, 40, 60)], dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
 class GraphOptions:
-    """Options of the solver of the graph: the robust kernel of its loops and its scale, in standard deviations."""
+    """Options of the graph's solver: the robust kernel of its loops and its scale, in standard deviations."""
 
     robust: str = "geman_mcclure"
     robust_scale: float = 3.0
@@ -70,24 +70,24 @@ class GraphOptions:
 
 @dataclass(frozen=True, slots=True)
 class SolvedGraph:
-    """A graph as SLAM left it, and as changes by hand leave it.
+    """A graph as estimated by SLAM, and after manual changes.
 
-    ``trajectory`` is the name of the trajectory that was made with it, ``slam_poses`` (n_scans, 3) its poses as SLAM
-    left them, which a joint refinement has moved from the solution of the graph. A change by hand moves each pose as
-    much as it moves the solution: with no change the trajectory is that of SLAM.
+    ``trajectory`` is the name of the trajectory computed from it. ``slam_poses`` (n_scans, 3) are its poses from SLAM,
+    which a joint refinement has moved from the solution of the graph. A manual change moves each pose as much as it
+    moves the solution; without changes the trajectory is that of SLAM.
     """
 
     trajectory: str
     slam_poses: Float64Array
     first: PoseGraph  #: the solution without changes
-    graph: PoseGraph  #: the present solution
+    graph: PoseGraph  #: the current solution
     candidates: LoopCandidates
     options: GraphOptions
     is_changed: bool = False
 
     @classmethod
     def of(cls, trajectory: str, slam_poses: Float64Array, graph: PoseGraph, candidates: LoopCandidates) -> SolvedGraph:
-        """Solve a graph as SLAM left it (worker thread). Raises as :func:`mapper.slam.optimise`."""
+        """Solve a graph from SLAM (worker thread). Raises like :func:`mapper.slam.optimise`."""
         options = GraphOptions()
         solved = optimise(graph, robust=options.robust, robust_scale=options.robust_scale)
         return cls(trajectory, slam_poses, solved, solved, candidates, options)
@@ -95,32 +95,31 @@ class SolvedGraph:
     def solved(self, graph: PoseGraph, options: GraphOptions) -> SolvedGraph:
         """Return the solution of another graph of the same nodes (worker thread).
 
-        Raises as :func:`mapper.slam.optimise`.
+        Raises like :func:`mapper.slam.optimise`.
         """
         result = optimise(graph, robust=options.robust, robust_scale=options.robust_scale)
         return replace(self, graph=result, options=options, is_changed=True)
 
     @property
     def poses(self) -> Float64Array:
-        """Return the poses of all scans (n_scans, 3), ``T_map_base``."""
+        """The poses of all scans (n_scans, 3), ``T_map_base``."""
         if self.graph is self.first:
             return self.slam_poses
         nodes = self.graph.nodes
-        moved = compose(self.graph.poses, inverse(self.first.poses))  # of the map, at each node
+        moved = compose(self.graph.poses, inverse(self.first.poses))  # movement of the map at each node
         scans = np.arange(len(self.slam_poses))
         before = np.clip(np.searchsorted(nodes, scans, side="right") - 1, 0, len(nodes) - 1)
         return compose(moved[before], self.slam_poses)
 
     @property
     def node_poses(self) -> Float64Array:
-        """Return the poses of the nodes (m, 3), as the map has them."""
+        """The poses of the nodes (m, 3) in the map."""
         return np.asarray(self.poses[self.graph.nodes], dtype=np.float64)
 
     def changed(self, log: ScanLog, change: GraphChange) -> SolvedGraph:
-        """Return the solution after a change by hand (worker thread).
+        """Return the solution after a manual change (worker thread).
 
-        Raises :class:`ConfigError` for an edge or a candidate that there is not, and as
-        :func:`mapper.slam.optimise`.
+        Raises :class:`ConfigError` for an unknown edge or candidate, and like :func:`mapper.slam.optimise`.
         """
         options = GraphOptions(
             self.options.robust if change.robust is None else change.robust,
@@ -140,7 +139,7 @@ class SolvedGraph:
         return self.solved(graph, options)
 
     def _with_loop(self, graph: PoseGraph, log: ScanLog, first: int, second: int) -> PoseGraph:
-        """Return the graph with a locked loop between two scans, from the match of the one with the other."""
+        """Return the graph with a locked loop between two scans, obtained by matching them."""
         if not all(0 <= scan < log.n_scans for scan in (first, second)):
             raise ConfigError("graph.scans", f"The log has {log.n_scans} scans, not both {first} and {second}.")
         i, j = sorted(self._node_near(scan) for scan in (first, second))
@@ -165,11 +164,11 @@ class SolvedGraph:
         return graph.with_loop(i, j, match.pose, information, locked=True)
 
     def _node_near(self, scan: int) -> int:
-        """Return the row of the node whose scan number is nearest."""
+        """Return the row of the node with the nearest scan number."""
         return int(np.abs(self.graph.nodes - scan).argmin())
 
     def draw(self, layer: GraphLayer) -> None:
-        """Write nodes and edges; the value of an edge is a loop's residual in standard deviations, NaN of odometry."""
+        """Write nodes and edges. An edge's value is a loop's residual in standard deviations, NaN for odometry."""
         graph = self.graph
         poses = self.node_poses
         values = np.where(graph.kind == LOOP, graph.residual, np.nan)
@@ -177,7 +176,7 @@ class SolvedGraph:
         layer.set(nodes, np.stack([graph.i, graph.j], axis=1), values)
 
     def in_3d(self) -> tuple[ShownLoops, Segments]:
-        """Return the loops, and their drawing, in which the colour is that of the residual."""
+        """Return the loops, and their drawing, coloured by residual."""
         graph = self.graph
         edges = np.flatnonzero(graph.kind == LOOP)
         nodes = np.stack([graph.i[edges], graph.j[edges]], axis=1)
@@ -192,7 +191,7 @@ class SolvedGraph:
         )
 
     def public(self) -> PoseGraphAnswer:
-        """Return what the HTTP interface shows: the loops, worst first, and how the graph is solved."""
+        """Return the answer of the HTTP interface: the loops, worst first, and how the graph is solved."""
         graph = self.graph
         loops = np.flatnonzero(graph.kind == LOOP)
         order = loops[np.argsort(-graph.residual[loops], kind="stable")]
@@ -219,9 +218,9 @@ class SolvedGraph:
         )
 
     def pair(self, log: ScanLog, i: int, j: int, relative: Float64Array | None) -> ScanPair:
-        """Return the scans of the nodes i and j in the map: as the poses have them, and as ``relative`` aligns j.
+        """Return the scans of the nodes i and j in the map: at their poses, and with j aligned by ``relative``.
 
-        Points are map metres; without ``relative``, which is ``Tᵢ⁻¹ ∘ Tⱼ``, there is no third list.
+        Points are map metres. Without ``relative``, which is ``Tᵢ⁻¹ ∘ Tⱼ``, there is no third list.
         """
         poses = self.node_poses
         aligned = None if relative is None else self._points(log, j, compose(poses[i], relative))
@@ -237,7 +236,7 @@ class SolvedGraph:
         return [(float(x), float(y)) for x, y in np.round(in_map, 3)]
 
     def edge(self, log: ScanLog, edge: int) -> EdgeAnswer:
-        """Return one edge with both of its scans. Raises :class:`ConfigError` for an edge that there is not."""
+        """Return one edge with both of its scans. Raises :class:`ConfigError` for an unknown edge."""
         graph = self.graph
         self.check_edge(edge)
         i, j, relative = int(graph.i[edge]), int(graph.j[edge]), graph.relative[edge]
@@ -264,7 +263,7 @@ class SolvedGraph:
         )
 
     def constraints(self, scan: int) -> ScanConstraints:
-        """Return the edges of the node that is nearest to a scan. Raises :class:`ConfigError` for an unknown scan."""
+        """Return the edges of the node nearest to a scan. Raises :class:`ConfigError` for an unknown scan."""
         if not 0 <= scan < len(self.slam_poses):
             raise ConfigError("graph.scans", f"The log has {len(self.slam_poses)} scans; there is no number {scan}.")
         graph, node = self.graph, self._node_near(scan)
@@ -274,18 +273,18 @@ class SolvedGraph:
         return ScanConstraints(int(graph.nodes[node]), [self._constraint(int(edge), off[edge]) for edge in edges])
 
     def check_edge(self, edge: int) -> None:
-        """Raise :class:`ConfigError` for an edge that there is not."""
+        """Raise :class:`ConfigError` for an unknown edge."""
         if not 0 <= edge < len(self.graph.i):
             raise ConfigError("graph.edge", f"The graph has {len(self.graph.i)} edges; there is no number {edge}.")
 
     def residuals(self, log: ScanLog) -> Series:
-        """Return by how much the poses of the map miss the measurements of the graph, over time."""
+        """Return the residuals of the graph's measurements at the poses of the map over time."""
         return residual_series(self.graph, self.node_poses, plot_stamps(log)[self.graph.nodes])
 
     def near(self, x: float, y: float) -> TriedNear:
-        """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them.
+        """Return the loops tried near (x, y), map metres, the nearest first, and why they were rejected.
 
-        ``visits`` are the runs of scans near it, and ``pair`` the nearest scan of the first and of the last of them.
+        ``visits`` are the runs of scans near the place, and ``pair`` the nearest scans of the first and the last run.
         """
         poses, tried = self.node_poses, self.candidates
         places = np.stack([poses[tried.i, :2], poses[tried.j, :2]])
@@ -301,7 +300,7 @@ class SolvedGraph:
         return TriedNear(visits, pair, candidates)
 
     def _nearest_of(self, visit: tuple[int, int], distance: Float64Array) -> int:
-        """Return the node of a visit, its first and its last scan, that is nearest; ``distance`` (m,) of all."""
+        """Return the nearest node of a visit (its first and last scan); ``distance`` (m,) is that of all nodes."""
         rows = np.flatnonzero((self.graph.nodes >= visit[0]) & (self.graph.nodes <= visit[1]))
         return int(rows[distance[rows].argmin()])
 
@@ -319,7 +318,7 @@ class SolvedGraph:
         )
 
     def candidate(self, log: ScanLog, k: int) -> TriedLoopScans:
-        """Return a loop that was tried, with both of its scans. Raises :class:`ConfigError` for one that was not."""
+        """Return a tried loop with both of its scans. Raises :class:`ConfigError` for an unknown one."""
         if not 0 <= k < len(self.candidates):
             raise ConfigError("graph.candidate", f"{len(self.candidates)} loops were tried; there is no number {k}.")
         i, j = int(self.candidates.i[k]), int(self.candidates.j[k])
@@ -330,14 +329,14 @@ class SolvedGraph:
         )  # fmt: skip
 
     def in_log(self, log: ScanLog) -> ScanLog:
-        """Return ``log`` with the present poses as the trajectory that the graph belongs to."""
+        """Return ``log`` with the current poses as the graph's trajectory."""
         known = log.trajectory(self.trajectory)
         changed = replace(known, poses=self.poses, timed=None)
         return replace(log, trajectories={**log.trajectories, self.trajectory: changed})
 
 
 def _visits(scans: NDArray[np.int64]) -> list[tuple[int, int]]:
-    """Return the runs [first, last] of scan numbers with fewer than 50 between one and the next."""
+    """Return the runs [first, last] of scan numbers with gaps of fewer than 50."""
     if not len(scans):
         return []
     cuts = np.flatnonzero(np.diff(scans) > 50)

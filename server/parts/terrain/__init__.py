@@ -1,1 +1,1 @@
-"""Terrain of points: where it is safe to drive, see :mod:`mapper.terrain`."""
+"""Terrain of points: where driving is safe, see :mod:`mapper.terrain`."""

@@ -1,4 +1,4 @@
-"""Terrain of points: patches, their classes, the ground filter beside the truth, and the costs that follow."""
+"""Terrain of points: patches, their classes, the ground filter compared with the truth, and the resulting costs."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from mapper.terrain import (
 )
 
 MOST_PATCHES = 250_000
-FIRST_POINTS, FIRST_SHARE = 10, 0.75  #: of the points, at first, lie in patches with at least that many points
-SIDES = tuple(m * 10.0**e for e in range(-2, 4) for m in (1, 1.5, 2, 3, 4, 5, 7))  #: metres: patches at first
-FINEST = 0.2  #: metres: a robot stands on as much; of a cloud that is small itself, a twentieth of its longer side
-LEAST_ACROSS = 10  #: patches along the longer side of a cloud, at first
-LARGEST_INDOORS = 0.3  #: metres: side of patches of clouds for which cells and discs are as in a room
+FIRST_POINTS, FIRST_SHARE = 10, 0.75  #: initially, this share of the points is in patches with at least this many
+SIDES = tuple(m * 10.0**e for e in range(-2, 4) for m in (1, 1.5, 2, 3, 4, 5, 7))  #: metres: initial sides of patches
+FINEST = 0.2  #: metres: size of the area under a robot; for a small cloud, a twentieth of its longer side
+LEAST_ACROSS = 10  #: initial number of patches along the longer side of a cloud
+LARGEST_INDOORS = 0.3  #: metres: largest patch side of clouds whose cells and discs are those for rooms
 SHOWN = ("costs", "costmap", "slope", "roughness", "step", "unsure")
-MOST_UNSURE = 0.5  #: share of the points of a patch that is shown darkest
-#: In a room cells, discs and patches are smaller than outdoors.
+MOST_UNSURE = 0.5  #: share of a patch's points at which it is shown darkest
+#: In rooms, cells, discs and patches are smaller than outdoors.
 _INDOORS = {
     "cell": 0.15, "window": 2.0, "height": 0.06, "scaling": 0.1, "slope": 0.3,
     "patch": 0.25, "min_points": 6.0, "max_step": 0.1, "max_roughness": 0.05,
@@ -79,13 +79,13 @@ _PATCH = frozenset(row.name for row in PATCH_PARAMETERS)
 
 @dataclass(frozen=True, slots=True)
 class TerrainParameters:
-    """The present values. Raises :class:`ConfigError` for what the table refuses."""
+    """The current values. Raises :class:`ConfigError` if the table rejects them."""
 
     values: Mapping[str, Any] = field(default_factory=lambda: {row.name: row.initial for row in TABLE})
 
     @classmethod
     def for_cloud(cls, points: Float64Array) -> TerrainParameters:
-        """Return first values for a cloud (n, 3): patches by its density, the rest as indoors where these are small."""
+        """Return initial values for a cloud (n, 3): patches by its density, the rest for indoors if these are small."""
         row = _ROWS["patch"]
         patch = min(max(first_patch(points[:, :2]), row.low), row.high)
         if patch <= LARGEST_INDOORS:
@@ -94,7 +94,7 @@ class TerrainParameters:
         return cls().with_values(library | {"patch": patch})
 
     def with_values(self, values: Mapping[str, Any]) -> TerrainParameters:
-        """Return the parameters with other values; the rest stays."""
+        """Return the parameters with other values."""
         check_names(values, TABLE, "parameter of the terrain")
         return TerrainParameters({**self.values, **{name: _ROWS[name].check(value) for name, value in values.items()}})
 
@@ -111,12 +111,12 @@ class TerrainParameters:
 
 @dataclass(frozen=True, slots=True)
 class Assessed:
-    """The terrain of some points: how many, how many are ground, and how that agrees with the truth in percent.
+    """The terrain of some points: their number, that of ground points, and the agreement with the truth in percent.
 
-    ``ground_points`` (m, 3) are those that are ground, ``is_fitted`` (m,) says which of them planes are fitted to,
-    ``index`` finds those of a patch. ``unsure`` counts the points that the ground filter is not sure of,
-    ``unsure_shares`` (rows, cols) is their share of the points of a patch, NaN where it has none.
-    ``level`` and ``reach`` are those of the quadtree and of the window.
+    ``ground_points`` (m, 3) are the ground points, ``is_fitted`` (m,) marks those to which planes are fitted, ``index``
+    finds those of a patch. ``unsure`` is the number of points that the ground filter is not sure of, ``unsure_shares``
+    (rows, cols) their share of a patch's points, NaN if it has none. ``level`` and ``reach`` are those of the quadtree
+    and of the window.
     """
 
     terrain: Terrain
@@ -149,16 +149,16 @@ class Assessed:
 
 
 def first_patch(places: NDArray[np.floating[Any]]) -> float:
-    """Return a side of patches, metres, for points at ``places`` (n, 2): most points lie in patches with enough points.
+    """Return a patch side, metres, for points at ``places`` (n, 2), such that most points are in well-filled patches.
 
-    It is the least of :data:`SIDES`, from :data:`FINEST` on, at which :data:`FIRST_SHARE` of the points lie in patches
-    of :data:`FIRST_POINTS` or more and there are at most :data:`MOST_PATCHES` patches; or the last of which the longer
-    side of the cloud has :data:`LEAST_ACROSS`. The density is that where points are: of the rectangle around them much
-    may be empty.
+    It is the least of :data:`SIDES`, from :data:`FINEST` on, at which :data:`FIRST_SHARE` of the points are in patches
+    with at least :data:`FIRST_POINTS` points and there are at most :data:`MOST_PATCHES` patches; or the last at which
+    the longer side of the cloud has :data:`LEAST_ACROSS` patches. Density is measured where there are points, because
+    much of their bounding rectangle may be empty.
     """
     if not len(places):
         return FINEST
-    columns = np.array(places.T, order="C")  # columns that follow each other in memory are gone over faster
+    columns = np.array(places.T, order="C")  # contiguous columns are faster
     columns -= columns.min(axis=1, keepdims=True)
     x, y = columns
     extent = columns.max(axis=1)
@@ -170,7 +170,7 @@ def first_patch(places: NDArray[np.floating[Any]]) -> float:
         if best is not None and LEAST_ACROSS * side > longest:
             break
         best = side
-        at = (y / side).astype(np.int32)  # there are few patches; truncation is the floor, as no place is negative
+        at = (y / side).astype(np.int32)  # there are few patches; truncation equals floor, because no place is negative
         at *= cols
         at += (x / side).astype(np.int32)
         counts = np.bincount(at, minlength=rows * cols)
@@ -186,11 +186,10 @@ def assessed(
     truth: BoolArray | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Assessed | None:
-    """Return the terrain of points (n, 3) within ``bounds``, x0, y0, x1, y1, None where there are too few.
+    """Return the terrain of points (n, 3) within ``bounds``, x0, y0, x1, y1, None if there are too few.
 
-    ``truth`` (n,) are the points that are ground, None where that is not known; ``progress`` is as in
-    :func:`mapper.terrain.find_ground`. Raises :class:`mapper.core.errors.MapperError` for parameters that do not fit
-    the points.
+    ``truth`` (n,) marks the ground points, None if unknown. ``progress`` is as in :func:`mapper.terrain.find_ground`.
+    Raises :class:`mapper.core.errors.MapperError` for parameters that do not fit the points.
     """
     if len(points) < 3:
         return None
@@ -201,7 +200,7 @@ def assessed(
         is_ground, is_unsure = surface.is_ground, surface.is_unsure
     right = {} if truth is None else agreement(is_ground, truth)
     x0, y0, x1, y1 = bounds
-    rows, cols = (max(int(np.ceil(side / config.patch)), 1) for side in (y1 - y0, x1 - x0))  # of a wall one, too
+    rows, cols = (max(int(np.ceil(side / config.patch)), 1) for side in (y1 - y0, x1 - x0))  # at least 1
     shape = (rows, cols, 10)
     if shape[0] * shape[1] > MOST_PATCHES:
         raise LimitError(
@@ -230,7 +229,7 @@ def assessed(
 
 
 def _costmap_of(terrain: Terrain) -> LayeredCostmap:
-    """Return the costmap whose one layer is the terrain, with inflation around what is unsafe."""
+    """Return the costmap whose only layer is the terrain, with inflation around unsafe patches."""
     geometry, footprint = terrain.patches.geometry, Footprint(HEXAGON)
     general = CostmapConfig(track_unknown_space=True)
     inflation = InflationLayer(geometry, InflationConfig(), footprint.inscribed_radius)

@@ -1,4 +1,4 @@
-"""Terrains of the library as costs of a layer of a costmap: a map of classes, and the patches of a cloud."""
+"""Terrains of the library as costs of a costmap layer: a map of classes, or the patches of a cloud."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TerrainMap:
-    """The costs of a map file, as ``gridbloom terrain`` writes it: safe patches are free, unsafe ones occupied.
+    """The costs of a map file as written by ``gridbloom terrain``: safe patches are free, unsafe ones occupied.
 
     A value v between 0 and 100 costs v · 254 / 100, rounded, as in a mask of Nav2's keepout filter.
     """
@@ -39,19 +39,19 @@ class TerrainMap:
         return mask_costs(self.given.values)
 
     def why(self, row: int, col: int) -> str:
-        """Say the class of a cell."""
+        """Return the class of a cell in words."""
         value = int(self.given.values[row, col])
         known = {-1: "unknown", 0: "safe", 100: "unsafe"}
         return f"Terrain: {known.get(value, f'{value} of 100')}, in the map {self.given.title!r:.80}."
 
     def public(self) -> MapAnswer:
-        """Return what the HTTP interface shows."""
+        """Return the answer of the HTTP interface."""
         return self.given.public()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TerrainOfCloud:
-    """The costs of the patches of a cloud. ``geometry`` has them in the file's own coordinates."""
+    """The costs of the patches of a cloud. ``geometry`` is in the file's own coordinates."""
 
     log_id: str
     title: str
@@ -67,12 +67,11 @@ class TerrainOfCloud:
         offset: Float64Array,
         progress: Callable[[float], None] | None = None,
     ) -> TerrainOfCloud:
-        """Assess the points of ``cloud`` by the parameters that a cloud of their density has at first.
+        """Assess the points of ``cloud`` with the initial parameters for a cloud of its density.
 
-        ``offset`` (3,) is what they have more in the file than here, metres.
-
-        ``progress`` is called with the share that is done, and may raise. Raises
-        :class:`mapper.core.errors.MapperError` for a cloud of which no patches can be made.
+        ``offset`` (3,) is what to add to the points to get the file's coordinates, metres. ``progress`` is called with
+        the completed share, and may raise. Raises :class:`mapper.core.errors.MapperError` for a cloud that is
+        unsuitable for patches.
         """
         places, bounds, _ = cloud.read()
         terrain = assessed(places, bounds, TerrainParameters.for_cloud(places), progress=progress)
@@ -88,9 +87,9 @@ class TerrainOfCloud:
         return self.terrain.costs()
 
     def why(self, row: int, col: int) -> str:
-        """Say the class of a patch, and the slope, the roughness and the step that it comes from."""
+        """Return the class of a patch in words, with the slope, the roughness and the step that determine it."""
         return self.terrain.why(row, col)
 
     def public(self) -> MapAnswer:
-        """Return what the HTTP interface shows."""
+        """Return the answer of the HTTP interface."""
         return MapAnswer.of(self.title, self.geometry, classes=TerrainCounts(**self.terrain.counts()))

@@ -1,4 +1,4 @@
-"""The command and the message of a terrain, as the stream has them."""
+"""The stream's command and message of a terrain."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from server.stream.message_parts import Number, Part, Point, UncheckedValues, Va
 
 
 class TerrainCommand(Struct, tag_field="type", tag="terrain"):
-    """Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end."""
+    """Simulations with a 3D map, and clouds: begin to assess their terrain, change it, query a patch, or end."""
 
     value: Annotated[bool, Meta(description="whether it is assessed")] = True
     values: Annotated[UncheckedValues, Meta(description="parameters to change; the others stay")] = {}
@@ -19,7 +19,7 @@ class TerrainCommand(Struct, tag_field="type", tag="terrain"):
 
 
 class TerrainCounts(Part):
-    """Numbers of patches of each class before parameters changed."""
+    """Numbers of patches of each class before the last change of parameters."""
 
     changed: Annotated[list[str], Meta(description="names of the parameters")]
     safe: Annotated[int, Meta(description="patches that were safe")]
@@ -28,7 +28,7 @@ class TerrainCounts(Part):
 
 
 class TerrainPatch(Part):
-    """A patch of terrain that was asked about, or the window around it that its plane is fitted to."""
+    """A queried patch of terrain, or the window around it to which its plane is fitted."""
 
     x: Annotated[float, Meta(description="the place that was asked about, m")]
     y: Annotated[float, Meta(description="the place that was asked about, m")]

@@ -26,10 +26,10 @@ SCANS_BETWEEN = 8  #: scans of the 3D sensor between two assessments
 
 
 class TerrainPart(Part):
-    """A terrain, from the session's command ``terrain`` on until the same command ends it, or there are no points.
+    """A terrain. The session's ``terrain`` command begins and ends it; it also ends if there are no points.
 
-    Where there are points from the first, the parameters suit their density, and an unsafe patch is explained before a
-    visitor asks about one.
+    If there are points from the start, the parameters suit their density, and an unsafe patch is explained before a
+    visitor queries one.
     """
 
     commands = (TerrainCommand,)
@@ -48,21 +48,21 @@ class TerrainPart(Part):
         self.tables = {"terrain": rows_of(replace(row, initial=self._first.values[row.name]) for row in TABLE)}
         offers.maps["terrain"] = OtherMap("the classes of the terrain, while there is one", lambda: self.grid)
         offers.costs["terrain_layer"] = lambda: None if self._assessment is None else self._assessment.terrain
-        self._share: float | None = None  #: of the present assessment that is done
+        self._share: float | None = None  #: completed share of the current assessment
         self._parameters: TerrainParameters | None = None
         self._costs = GridLayer("terrain_costs", "Terrain", "costs")
         self._values = GridLayer("terrain_values", "Property of the terrain")
         self._assessment: Assessed | None = None
-        self._taken = -1  #: scans when it was assessed last; −1: it has to be assessed
+        self._taken = -1  #: number of scans at the last assessment; −1: it must be assessed
         self._asked: tuple[float, float] | None = None
-        self._mark: tuple[object, list[Drawing]] = (None, [])  #: what was marked last, and its drawings
+        self._mark: tuple[object, list[Drawing]] = (None, [])  #: the last mark, and its drawings
         self._problem: str | None = None
-        self._before: TerrainCounts | None = None  #: what the newest change of a value was, and the classes before it
-        self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
+        self._before: TerrainCounts | None = None  #: the latest change of a value, and the classes before it
+        self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None if it is off
 
     @property
     def progress(self) -> float | None:
-        """The share of the present assessment that is done."""
+        """Completed share of the current assessment."""
         return self._share
 
     @property
@@ -72,12 +72,12 @@ class TerrainPart(Part):
 
     @property
     def cells(self) -> int:
-        """Cells that it holds: ten moments of each patch among them, and the ground points."""
+        """Number of cells that it uses, including ten moments per patch and the ground points."""
         assessment = self._assessment
         return 0 if assessment is None else 24 * assessment.terrain.classes.size + 6 * len(assessment.ground_points)
 
     def drawings(self) -> list[Drawing]:
-        """Return a mark around the patch that is asked about; none without one."""
+        """Return a mark around the queried patch; empty without one."""
         if self._assessment is None or self._asked is None:
             return []
         marked = self._assessment, *self._asked
@@ -87,7 +87,7 @@ class TerrainPart(Part):
         return self._mark[1]
 
     def handle(self, command: TerrainCommand, result: TickResult) -> None:
-        """Begin the terrain, change it, ask about a patch, or end it. Raises :class:`ConfigError`."""
+        """Begin the terrain, change it, query a patch, or end it. Raises :class:`ConfigError`."""
         if not command.value:
             self._end(result)
             return
@@ -109,7 +109,7 @@ class TerrainPart(Part):
         result.slot(*self.messages())
 
     def _note_change(self, parameters: TerrainParameters) -> None:
-        """Keep the numbers of patches of each class, to show beside those that other values make."""
+        """Store the numbers of patches of each class, for comparison with those of other values."""
         if self._assessment is None or self._parameters is None:
             return
         old, new = self._parameters.values, parameters.values
@@ -145,7 +145,7 @@ class TerrainPart(Part):
         result.slot(*self.messages())
 
     def _note_share(self, share: float) -> None:
-        """Note the progress. Raises :class:`WorkCancelledError` once a visitor has cancelled it."""
+        """Record the progress. Raises :class:`WorkCancelledError` once a visitor has cancelled it."""
         self._share = share
         if not self._host.may_continue():
             raise WorkCancelledError(
@@ -162,7 +162,7 @@ class TerrainPart(Part):
             self._values.set(geometry, shown, 0.0, most)
 
     def messages(self) -> tuple[TerrainMessage]:
-        """Return the message ``terrain``."""
+        """Return the ``terrain`` message."""
         assessment, patch = self._assessment, None
         if assessment is not None and self._asked is not None:
             try:

@@ -1,4 +1,4 @@
-"""The patch of a terrain that is asked about: points, moments, neighbours, children, and a mark in 3D."""
+"""The queried patch of a terrain: points, moments, neighbours, children, and a mark in 3D."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from server.parts.terrain.assessment import Assessed
 
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
-MOST_SENT = 400  #: points of a patch; of more a sample is sent
+MOST_SENT = 400  #: points of a patch; more are sampled
 
 
 def first_asked(assessment: Assessed) -> tuple[float, float] | None:
-    """Return the middle of the unsafe patch with a plane that is nearest to the middle of all; None without one."""
+    """Return the centre of the unsafe patch with a plane that is nearest to the centre of all; None if none."""
     terrain = assessment.terrain
     unsafe = np.argwhere((terrain.classes == UNSAFE) & np.isfinite(terrain.score))
     if not len(unsafe):
@@ -34,9 +34,9 @@ def first_asked(assessment: Assessed) -> tuple[float, float] | None:
 
 
 def place_of(assessment: Assessed, x: float, y: float) -> tuple[int, int, Float64Array, float]:
-    """Return row and column of the patch at (x, y), its centre (2,), and half the side of what its plane is fitted to.
+    """Return row and column of the patch at (x, y), its centre (2,), and half the side of the plane's area.
 
-    Raises :class:`ConfigError` for a place outside.
+    The plane is fitted to the patch or to a window around it. Raises :class:`ConfigError` for a place outside.
     """
     patches = assessment.terrain.patches
     row, col = (int(k) for k in patches.geometry.world_to_cell((x, y)))
@@ -48,7 +48,7 @@ def place_of(assessment: Assessed, x: float, y: float) -> tuple[int, int, Float6
 
 
 def patch_at(assessment: Assessed, x: float, y: float) -> TerrainPatch:
-    """Return the part of the message about the patch at (x, y), or on the window around it that its plane is fitted to.
+    """Return the message's fields about the patch at (x, y), or the window around it to which its plane is fitted.
 
     Raises :class:`ConfigError` for a place outside.
     """
@@ -56,7 +56,7 @@ def patch_at(assessment: Assessed, x: float, y: float) -> TerrainPatch:
     row, col, (cx, cy), half = place_of(assessment, x, y)
     inside = assessment.index.window(row, col, assessment.reach)
     local = assessment.ground_points[inside] - patches.corner
-    # Heights are above the whole metre nearest to the lowest point, so that changes of P are not lost in large sums.
+    # Heights are relative to the whole metre nearest to the lowest point, so that changes of P keep their precision.
     base = float(np.round(local[:, 2].min())) if len(inside) else 0.0
     mine = local - (*((np.array([col, row]) + 0.5) * patches.size), base)
     used = mine[assessment.is_fitted[inside]]
@@ -84,13 +84,13 @@ def _moments(points: Float64Array) -> list[float]:
 
 
 def _children(points: Float64Array) -> list[list[float]]:
-    """Return P of each of the four children of a patch, about the centre of the patch: their sum is its P."""
+    """Return P of each of the four children of a patch, about the centre of the patch. Their sum is its P."""
     quarter = (points[:, 0] >= 0.0) + 2 * (points[:, 1] >= 0.0)
     return [_moments(points[quarter == k]) for k in range(4)]
 
 
 def _edges(planes: Float64Array, row: int, col: int, size: float, base: float) -> list[float]:
-    """Return x, y and height above ``base`` of the planes that neighbours have, in the middle of the common edges."""
+    """Return x, y and height above ``base`` of the neighbours' planes at the middle of the common edges."""
     edges = []
     for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
         r, c = row + down, col + right
@@ -102,10 +102,11 @@ def _edges(planes: Float64Array, row: int, col: int, size: float, base: float) -
 
 
 def patch_mark(assessment: Assessed, x: float, y: float) -> Segments | None:
-    """Return lines around the patch at (x, y), or the window that its plane is fitted to; None for a place outside.
+    """Return lines around the patch at (x, y), or its plane's window; None for a place outside.
 
-    The lower four lie in the plane, the upper four above the highest ground point, where no voxel hides them. Without
-    a plane the lower ones are at the lowest ground point, and without points at the lowest of the whole terrain.
+    The lower four lines are in the plane, the upper four above the highest ground point, where no voxel hides them.
+    Without a plane the lower ones are at the lowest ground point, and without points at the lowest of the whole
+    terrain.
     """
     try:
         row, col, centre, half = place_of(assessment, x, y)

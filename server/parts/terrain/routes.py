@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/costmap/terrain``: the upload that is the terrain of a log's costmap."""
+"""``/api/sessions/{id}/costmap/terrain``: the upload whose terrain a log's costmap uses."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from server.sessions.commands import UseCosts
 if TYPE_CHECKING:
     from server.sessions.parts import UploadedCosts
 
-MOST_CELLS = 1 << 24  #: of a map of a terrain
+MOST_CELLS = 1 << 24  #: of a terrain map
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
 class TerrainOfUpload(BaseModel, extra="forbid"):
-    """The terrain among the visitor's uploads."""
+    """A terrain among the visitor's uploads."""
 
     log: str | None = Field(max_length=200, description="Id of the cloud or map, as in /api/logs; null: none.")
 
@@ -34,8 +34,8 @@ class TerrainOfUpload(BaseModel, extra="forbid"):
 async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, log_id: str) -> UploadedCosts:
     """Return the terrain of a map of ``owner``, or of a cloud, whose points are assessed on a worker thread.
 
-    Raises :class:`mapper.core.errors.MapperError` for other logs, for a map with too many cells, and for a cloud of
-    which no terrain can be made.
+    Raises :class:`mapper.core.errors.MapperError` for other logs, for a map with too many cells, and for a cloud that
+    is unsuitable.
     """
     from mapper.volume.scans.scan_sequence import ScanSequence  # noqa: PLC0415 - few sessions have a terrain
     from server.parts.terrain.costs import TerrainMap, TerrainOfCloud  # noqa: PLC0415
@@ -73,11 +73,11 @@ async def terrain(
     session_id: str,
     body: TerrainOfUpload,
 ) -> ChosenMap:
-    """Choose the terrain's layer of a log's costmap: a cloud of the library, or a map as ``gridbloom terrain`` writes.
+    """Choose the terrain layer of a log's costmap: a cloud of the library, or a map from ``gridbloom terrain``.
 
-    The patches of a cloud are assessed; free cells of a map are safe, occupied ones unsafe. Either must be in the frame
-    of the log's poses. ``map`` of the answer is the grid of the terrain, with the number of patches of each class of a
-    cloud.
+    The patches of a cloud are assessed. Free cells of a map are safe, occupied ones unsafe. Either must be in the frame
+    of the log's poses. ``map`` of the answer is the grid of the terrain; for a cloud it includes the number of patches
+    of each class.
     """
     of_log = writable_session(sessions, session_id)
     terrain = None

@@ -1,1 +1,1 @@
-"""The map in 3D of a session, see :mod:`mapper.volume`."""
+"""The 3D map of a session, see :mod:`mapper.volume`."""

@@ -1,4 +1,4 @@
-"""The voxel that is asked about, and its beams, as drawings."""
+"""Drawings of the queried voxel and its beams."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from mapper.core.array_types import Float32Array
 from server.sessions.drawings import CHOSEN, Drawing, Segments
 
 HIT, PASSED = (214, 92, 30), (60, 130, 200)
-MOST_SCANS, MOST_BEAMS = 200, 2000  #: whose beams are drawn, the newest
-#: Whether they ended in a voxel or passed it, the place of the sensor (3,), their ends (n, 3).
+MOST_SCANS, MOST_BEAMS = 200, 2000  #: maximum numbers for which beams are drawn, the newest
+#: Whether they ended in the voxel or passed through it, the place of the sensor (3,), their ends (n, 3).
 Beams = tuple[bool, NDArray[np.floating[Any]] | None, NDArray[np.floating[Any]]]
 
 
@@ -26,15 +26,15 @@ def box_edges(low: ArrayLike, high: ArrayLike) -> Float32Array:
 
 
 class ChosenVoxel:
-    """Its :attr:`drawings`; none while no voxel is chosen."""
+    """The queried voxel's :attr:`drawings`; empty while no voxel is chosen."""
 
     def __init__(self) -> None:
         self.drawings: list[Drawing] = []
 
     def choose(self, centre: Float32Array | None, size: float, beams: Sequence[Beams] = ()) -> None:
-        """Show the voxel at ``centre`` (3,), ``size`` metres wide, and the beams that ended in it or passed it.
+        """Show the voxel at ``centre`` (3,), ``size`` metres wide, and the beams that ended in it or passed through it.
 
-        None for no voxel.
+        None removes it.
         """
         self.drawings = []
         if centre is None:

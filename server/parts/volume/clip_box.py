@@ -1,4 +1,4 @@
-"""The clip box of a map in 3D: its edges, and a handle on each face that one drags."""
+"""The clip box of a 3D map: its edges, and a handle for dragging each face."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from server.parts.volume.look import AXES, CUTS, PLAIN, Look
 from server.sessions.drawings import Drawing, Gizmo, Point, Quaternion, Segments
 
 HANDLE_PIXELS = 64.0  #: length of the arrow on a face
-LEAST_M = 0.05  #: least length of a side that handles make
+LEAST_M = 0.05  #: least side length that handles can set
 
-#: Value of the look → the rotation that turns the arrow along an axis out of the box: by half a turn at the low faces.
+#: Value of the look → the rotation that turns the arrow along an axis out of the box (by half a turn at low faces).
 _OUTWARDS: dict[str, Quaternion] = {
     "cut_x_low": (0.0, 0.0, 0.0, 1.0),
     "cut_x_high": (1.0, 0.0, 0.0, 0.0),
@@ -29,9 +29,9 @@ _OUTWARDS: dict[str, Quaternion] = {
 
 
 class ClipBox:
-    """The clip box of a map whose least and greatest coordinates are ``low`` and ``high`` (3,), metres.
+    """The clip box of a map with the least and greatest coordinates ``low`` and ``high`` (3,), metres.
 
-    Its faces stay within ``ends``, the bounds of their sliders; by default those of the map.
+    Its faces stay within ``ends``, the bounds of their sliders; by default the map's.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class ClipBox:
         self._ends = (low.tolist(), high.tolist()) if ends is None else ends
 
     def drawings(self, look: Look) -> list[Drawing]:
-        """Return the edges where the box cuts off a part of the map, and with handles always."""
+        """Return the edges of the box. Without handles, they are drawn only if it cuts off a part of the map."""
         if look.cut_handles:
             low, high = self._corners(look)
             return [_edges(low, high), *_handles(low, high)]
@@ -51,9 +51,9 @@ class ClipBox:
         return [_edges(low, high)]
 
     def moved(self, look: Look, handle: str, position: Point) -> Values | None:
-        """Return the new value of the look for a handle that was moved to ``position``, metres; None for no handle.
+        """Return the new look value for a handle that was moved to ``position``, metres; None for another name.
 
-        A face stays within the bounds of its slider, and at least :data:`LEAST_M` before the opposite face.
+        A face stays within the bounds of its slider, and at least :data:`LEAST_M` from the opposite face.
         """
         name = handle.replace("-", "_")
         if name not in _OUTWARDS:
@@ -73,7 +73,7 @@ class ClipBox:
 
 
 def chunks_between(volume: OccupancyVolume, old: Look, new: Look) -> list[ChunkKey]:
-    """Return the chunks of a map in which the voxels change that are in the clip box."""
+    """Return the chunks of a map in which the visible voxels change between two clip boxes."""
     voxel = volume.config.resolution
     spans = [(AXES[name], *sorted((getattr(old, name), getattr(new, name)))) for name in CUTS]
     spans = [(axis, low - voxel, high + voxel) for axis, low, high in spans if low < high]

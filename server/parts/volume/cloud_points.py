@@ -15,17 +15,17 @@ from mapper.volume.scans.scan_sequence import ScanSequence
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
 
-MOST_POINTS = 2_000_000  #: of a larger cloud a sample is taken
-SAME_M = 0.002  #: two points so near are one: float32 in two files has other last digits
-LEAST_SHARE = 0.9  #: of the other cloud's points that must be this one's, for the other to be its ground
+MOST_POINTS = 2_000_000  #: a larger cloud is sampled
+SAME_M = 0.002  #: two points this close are the same, because float32 values in two files differ in the last digits
+LEAST_SHARE = 0.9  #: least share of the other cloud's points that must match for it to count as the ground of this one
 GROUND_CLASS = 2  #: of the ASPRS LAS specification
 
 
 class CloudPoints:
     """The points of ``scans`` within the bounds x0, y0, x1, y1 of ``low`` and ``high`` (3,); none without scans.
 
-    ``other`` is the title and the source of the file that this one is compared with: a part of this cloud is taken for
-    its ground. Without it those of the class "ground" are, of a file with classes.
+    ``other`` is the title and the source of the file with which this one is compared. If it is a part of this cloud, it
+    counts as its ground; without it, the points of class "ground" do, if the file has classes.
     """
 
     def __init__(
@@ -37,12 +37,12 @@ class CloudPoints:
 
     @property
     def count(self) -> int:
-        """1: all scans are taken at once; 0 for an octree, which has no points."""
+        """1, because all scans are used at once; 0 for an octree, which has no points."""
         return int(self._scans is not None)
 
     @property
     def truth(self) -> str | None:
-        """Source of known ground points: the name of a file, or of classes; None if there is none."""
+        """Source of the known ground points: the name of a file, or the classes; None if there is none."""
         return None if self._scans is None else self._known_ground[0]
 
     def points(self) -> Float64Array:
@@ -50,7 +50,7 @@ class CloudPoints:
         return self._inside()[0]
 
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
-        """Return the points (n, 3), the bounds, and which points are ground, None where that is not known."""
+        """Return the points (n, 3), the bounds, and which points are ground, None if unknown."""
         if self._scans is None:
             return np.empty((0, 3)), self._bounds, None
         points, rows = self._inside()
@@ -58,7 +58,7 @@ class CloudPoints:
         return points, self._bounds, None if ground is None else ground[rows]
 
     def _inside(self) -> tuple[Float64Array, Int64Array]:
-        """Return the points (n, 3) within the bounds, at most :data:`MOST_POINTS`, and their indices (n,)."""
+        """Return at most :data:`MOST_POINTS` points (n, 3) within the bounds, and their indices (n,)."""
         if self._scans is None:
             return np.empty((0, 3)), np.empty(0, np.int64)
         some = sample_rows(len(self._scans.points), MOST_POINTS)

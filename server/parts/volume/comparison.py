@@ -1,4 +1,4 @@
-"""The comparison of a session's map in 3D with another one: that of another file, or an earlier one of its own."""
+"""The comparison of a session's 3D map with that of another file, or with an earlier state."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from server.parts.volume.drawings import VolumeDrawings
     from server.sessions.tick import TickResult
 
-SLICE_S = 0.1  #: of making the other map, after which other work has its turn
+SLICE_S = 0.1  #: longest run of computing the other map before other work gets its turn
 
 
 class VolumeComparison:
-    """The other map, if there is one, and what differs.
+    """The other map, if there is one, and the differences.
 
-    ``other`` is the title and the source of a map that is made with the parameters of the session's.
+    ``other`` is the title and the source of a map that is computed with the parameters of the session's map.
     """
 
     def __init__(self, other: tuple[str, VolumeSource] | None, limits: Callable[[], Limits]) -> None:
@@ -36,27 +36,27 @@ class VolumeComparison:
 
     @property
     def n_cells(self) -> int:
-        """Voxels for which the other map has memory."""
+        """Number of voxels for which the other map has memory."""
         return 0 if self._map is None else self._map.n_cells
 
     def note_change(self) -> None:
-        """Note that the session's map has changed."""
+        """Record that the session's map has changed."""
         self.is_stale = self._map is not None or self._other is not None
 
     def keep(self, now: ReplayedVolume) -> None:
-        """Compare with a copy of a map as it is now."""
+        """Compare with a copy of the current map."""
         self.end()
         volume = ReplayedVolume(now.source, now.config, self._limits)
         volume.volume.set_blocks(now.volume.blocks.codes.copy(), now.volume.values)
-        volume.index = volume.count  # it is not made again
+        volume.index = volume.count  # it is not recomputed
         self._map, self._title, self.is_stale = volume, f"the map of {now.index} scans", True
 
     def end(self) -> None:
-        """Compare no more."""
+        """End the comparison."""
         self._other, self._map, self.changes, self.is_stale = None, None, None, False
 
     def work(self, now: ReplayedVolume, may_continue: Callable[[], bool]) -> bool:
-        """Make a part of the other map, and then find what differs; return whether that is done.
+        """Compute a part of the other map, and then the differences; return whether that is finished.
 
         Raises :class:`mapper.core.errors.MapperError` for maps that cannot be compared, and ends the comparison.
         """
@@ -74,7 +74,7 @@ class VolumeComparison:
     def update(
         self, now: ReplayedVolume, drawn: VolumeDrawings, may_continue: Callable[[], bool], result: TickResult
     ) -> None:
-        """Do a part of the work, and draw what differs once that is known; a comparison that is impossible ends."""
+        """Do a part of the work, and draw the differences once they are known. An impossible comparison is ended."""
         try:
             if self.work(now, may_continue):
                 drawn.show_changes(self.changes, now.config.resolution)
@@ -89,7 +89,7 @@ class VolumeComparison:
         return other is not None and not isinstance(other.source, OctreeFile) and other.config != config
 
     def summary(self) -> VolumeChanges | None:
-        """Return the field ``compared`` of the message ``volume``."""
+        """Return the field ``compared`` of the ``volume`` message."""
         changes = self.changes
         if changes is None:
             return None

@@ -1,4 +1,4 @@
-"""Drawings of a map in 3D: its voxels in chunks, its points, the chosen voxel."""
+"""Drawings of a 3D map: its voxels in chunks, its points, the queried voxel."""
 
 from __future__ import annotations
 
@@ -35,21 +35,21 @@ from server.parts.volume.message_fields import outside
 from server.parts.volume.point_values import UNITS, PointValues
 from server.sessions.drawings import Drawing, Points, Voxels
 
-MOST_POINTS = 5_000_000  #: that are drawn,
-MOST_WHILE_CHANGING = 1_000_000  #: and before the last scan is in the map: all are sent again with each scan
+MOST_POINTS = 5_000_000  #: maximum number of points drawn,
+MOST_WHILE_CHANGING = 1_000_000  #: and until the last scan is in the map, as each scan sends them all again
 IN_A_DRAWING = 1_000_000  #: points of one drawing: 15 MB in one message
-IN_ORDER = 100_000  #: points from which on they are in random order, so that a browser may draw the first of them alone
-MOST_CLASSED = 2_000_000  #: whose classes are counted
-MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
-DRAWN = ("show", "colour", "band", "whole", "point_size", *CUTS)  #: the look's values that change the drawings
+IN_ORDER = 100_000  #: number of points above which they are in random order, so that a browser may draw a part
+MOST_CLASSED = 2_000_000  #: maximum number of points whose classes are counted
+MOST_MOVING = 6000  #: maximum number drawn of the newest scan while the map changes: 72 kB on the wire
+DRAWN = ("show", "colour", "band", "whole", "point_size", *CUTS)  #: values of the look that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
 PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS, "normal": NORMAL_COLOURS}
-NUMBERED = ("probability", "class", "normal", *UNITS)  #: colourings whose rectangles are not those of heights
+NUMBERED = ("probability", "class", "normal", *UNITS)  #: colourings with rectangles other than those for heights
 NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
 
 
 class VolumeDrawings:
-    """The drawings of a map; :meth:`work` makes them again in pieces, :meth:`current` returns what is there."""
+    """The drawings of a map. :meth:`work` updates them in pieces, :meth:`current` returns their current state."""
 
     def __init__(
         self, source: ScanSequence | OctreeFile, low: Float64Array, high: Float64Array, values: PointValues
@@ -61,7 +61,7 @@ class VolumeDrawings:
         self._values = values
         self._painted: tuple[tuple[float, str, int], Painted] | None = None  #: by resolution, colouring, points
         self._pending: set[ChunkKey] = set()
-        self._chunks: dict[ChunkKey, NDArray[np.uint8]] = {}  #: those that are shown
+        self._chunks: dict[ChunkKey, NDArray[np.uint8]] = {}  #: the chunks shown
         self._points: list[Points] = []
         self._stale_points = True
         self._newest: Points | None = None
@@ -72,21 +72,21 @@ class VolumeDrawings:
 
     @property
     def pending(self) -> int:
-        """Number of chunks to be computed again."""
+        """Number of chunks to recompute."""
         return len(self._pending)
 
     @property
     def n_cells(self) -> int:
-        """Numbers of 4 bytes of the points that are drawn."""
+        """Size of the drawn points in 4-byte values."""
         return sum(points.nbytes for points in self._points) // 4
 
     @property
     def is_stale(self) -> bool:
-        """Whether something is to be made again."""
+        """Whether anything must be recomputed."""
         return bool(self._pending) or self._stale_points
 
     def note_change(self, volume: OccupancyVolume, slots: Int32Array | None) -> None:
-        """Note that blocks have changed, None for all of them."""
+        """Record that blocks have changed; None means all of them."""
         if slots is None:
             self._pending = set(chunks_of(volume)) | set(self.faces.chunks)
         else:
@@ -94,16 +94,16 @@ class VolumeDrawings:
         self._stale_points = True
 
     def note_look(self, volume: OccupancyVolume, old: Look, new: Look) -> None:
-        """Note that another look was chosen."""
+        """Record that another look was chosen."""
         if all(getattr(old, name) == getattr(new, name) for name in DRAWN):
             return
-        # A cut alone leaves the points as they are: the browser clips them.
+        # A cut alone does not change the points, because the browser clips them.
         self._stale_points |= any(getattr(old, name) != getattr(new, name) for name in DRAWN if name not in CUTS)
         if old.show in WITHOUT_VOXELS:
             self._pending = set(chunks_of(volume)) | set(self.faces.chunks)
             return
         if old.colour != new.colour and not {old.colour, new.colour}.isdisjoint(NUMBERED):
-            # Rectangles of the old colouring in the new colours would mislead until the last of them is made again.
+            # Old rectangles in the new colours would be misleading until all are recomputed.
             self.faces.clear()
             self._chunks = {}
             self.note_change(volume, None)
@@ -123,13 +123,13 @@ class VolumeDrawings:
     def work(
         self, volume: OccupancyVolume, index: int, look: Look, *, has_free: bool, is_over: Callable[[], bool]
     ) -> None:
-        """Make again what is stale, until that is done or ``is_over``."""
+        """Recompute what is stale, until that is finished or ``is_over``."""
         if look.show in WITHOUT_VOXELS:
             self._pending.clear()
             self.faces.clear()
         rule = self.rule(volume, look, has_free=has_free)
         of_points = self._painted_by(look.colour, volume.config.resolution, index)
-        # Low chunks first: the ground, and what stands on it.
+        # Low chunks first: the ground and the objects on it.
         for key in sorted(self._pending, key=lambda key: (key[2], key[1], key[0])):
             painted = painted_directions(volume, key) if look.colour == "normal" else of_points
             self.faces.update(volume, rule, [key], painted=painted)
@@ -143,9 +143,9 @@ class VolumeDrawings:
             self._stale_points = False
 
     def _painted_by(self, colour: str, resolution: float, index: int) -> Painted | None:
-        """Return what most points of each voxel have, as colours; None for a colouring that points have no part in.
+        """Return the value that most points of each voxel have, as colours; None for a colouring without points.
 
-        Of times those of the first ``index`` scans count.
+        Times count only the first ``index`` scans.
         """
         if colour != "class" and colour not in UNITS:
             return None
@@ -162,7 +162,7 @@ class VolumeDrawings:
         return self._painted[1]
 
     def show_newest(self, index: int, look: Look) -> None:
-        """Show the newest scan as points, while voxels are made again less often."""
+        """Show the newest scan as points, while voxels are updated less often."""
         if self._scans is None or index == 0:
             return
         points = self._scans.points[self._scans.starts[index - 1] : self._scans.starts[index]]
@@ -177,7 +177,8 @@ class VolumeDrawings:
     def _drawn_points(self, index: int, look: Look) -> list[Points]:
         """Return the points of the first ``index`` scans, each drawing with a random sample of them.
 
-        The browser draws the first of each while the camera moves (``static/src/render/voxels/pointBudget.ts``).
+        While the camera moves, the browser draws only the first points of each
+        (``static/src/render/voxels/pointBudget.ts``).
         """
         if self._scans is None or look.show in ("voxels", "surface"):
             return []
@@ -210,7 +211,7 @@ class VolumeDrawings:
     # -- a comparison -----------------------------------------------------------------------------------------------
 
     def show_changes(self, changes: Changes | None, size: float) -> None:
-        """Show the voxels that differ from another map, None for no comparison."""
+        """Show the voxels that differ from another map; None ends it."""
         self._changes = []
         if changes is None:
             return

@@ -1,4 +1,4 @@
-"""The surface of the lab's 3D scans by truncated signed distances, while it is shown instead of the octree."""
+"""The surface of the lab's 3D scans from truncated signed distances, shown instead of the octree."""
 
 from __future__ import annotations
 
@@ -21,36 +21,36 @@ from server.parts.volume.parameters import VolumeParameters
 from server.parts.volume.surface import VolumeSurface
 from server.sessions.drawings import Surface
 
-FUSING_S = 0.05  #: of fusing scans in one tick, after which the others wait for the next one
+FUSING_S = 0.05  #: longest time of fusing scans in one tick; the others wait for the next tick
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabScans:
-    """Scans of the lab's robot as a surface takes them: images of the depth camera, end points of a lidar's beams."""
+    """Scans of the lab's robot in the form that a surface uses: depth images, or end points of a lidar's beams."""
 
     scans: list[Scan3D]
 
     @property
     def has_origins(self) -> bool:
-        """The robot knows where its sensor is."""
+        """True, because the robot knows the pose of its sensor."""
         return True
 
     def __len__(self) -> int:
         return len(self.scans)
 
     def depth_image(self, index: int) -> DepthImage | None:
-        """Return the image of a depth camera; None of a lidar's scan."""
+        """Return the image of a depth camera; None for a lidar's scan."""
         return self.scans[index].depth_image()
 
     def scan(self, index: int) -> PlacedScan:
-        """Return where the beams of a scan ended; those without a return say nothing of a surface."""
+        """Return the end points of a scan's beams. Those without a return say nothing about a surface."""
         scan = self.scans[index]
         points, origin = scan.ends()
         return PlacedScan(points[np.isfinite(scan.ranges)], origin)
 
 
 class LabSurface:
-    """A surface of all recorded scans of ``volume``, a part of them with each :meth:`catch_up`."""
+    """A surface of all recorded scans of ``volume``, extended with each :meth:`catch_up`."""
 
     def __init__(self, volume: LabVolume, limits: Callable[[], Limits]) -> None:
         self._made, self._scans = volume, volume.scans
@@ -59,11 +59,11 @@ class LabSurface:
             LabScans(self._scans), config.resolution, lambda: lab_limits(limits()), snapshot_bytes=0
         )
         self.surface.use(config)
-        self._problem: str | None = None  #: why scans are not in the surface
-        self.is_unmeshed = True  #: whether there may be blocks that have changed since they were meshed
+        self._problem: str | None = None  #: why some scans are not in the surface
+        self.is_unmeshed = True  #: whether blocks may have changed since they were meshed
 
     def change(self, parameters: VolumeParameters) -> bool:
-        """Use other parameters; return whether the surface is made again."""
+        """Use other parameters; return whether the surface is recomputed."""
         if not self.surface.use(parameters.surface):
             return False
         self._problem, self.is_unmeshed = None, True
@@ -83,7 +83,7 @@ class LabSurface:
         """Fuse the next scans; return whether there were any."""
         if not self.is_behind:
             return False
-        if self._made.scans is not self._scans:  # some were given up: the surface is that of the others
+        if self._made.scans is not self._scans:  # some scans were dropped, so the surface is that of the others
             self._scans = self._made.scans
             self.surface.set_source(LabScans(self._scans))
         began = time.monotonic()
@@ -100,10 +100,10 @@ class LabSurface:
         self.is_unmeshed = self.surface.is_stale
 
     def drawing(self, look: Look) -> Surface:
-        """Return the triangles in the clip box, in colours of heights or of normals."""
+        """Return the triangles in the clip box, coloured by height or by normal."""
         return self.surface.drawing(look, 0.0)
 
     def message(self) -> SurfaceMessage:
-        """Return the message ``surface``."""
+        """Return the ``surface`` message."""
         stated = self.surface.message()
         return stated if self._problem is None else msgspec.structs.replace(stated, problem=self._problem)

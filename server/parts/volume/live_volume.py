@@ -1,4 +1,4 @@
-"""The 3D map of the lab's robot: made of what its 3D sensor measures while it drives."""
+"""The 3D map of the lab's robot, computed from its 3D sensor while it drives."""
 
 from __future__ import annotations
 
@@ -22,41 +22,41 @@ from mapper.volume.placed_scan import PlacedScan
 from mapper.volume.scans.sources import Insertion
 from server.parts.volume.parameters import HIGHEST, VolumeParameters
 
-MOST_POINTS = 150_000  #: of the newest scans that are read as a cloud
-TRUE_WITHIN = 0.05  #: metres: a point so near to the floor or a ramp is ground
+MOST_POINTS = 150_000  #: of the newest scans that are used as a cloud
+TRUE_WITHIN = 0.05  #: metres: a point this close to the floor or a ramp is ground
 MOST_BLOCKS = 30_000  #: of 8³ voxels: 60 MB of log-odds
 MOST_READINGS = 4_000_000  #: of all recorded scans: 16 MB
-AT_ONCE = 4  #: recorded scans that are put into a map that is made again, in one tick
-DECAY_DRAWN_S = 1.0  #: simulated seconds after which voxels that no scan touched are drawn again while they decay
-BYTES_OF_NODE = 5  #: log-odds and the bits of its children, as in the file .ot
+AT_ONCE = 4  #: recorded scans integrated per tick into a map that is recomputed
+DECAY_DRAWN_S = 1.0  #: simulated seconds after which decaying voxels that no scan touched are redrawn
+BYTES_OF_NODE = 5  #: log-odds and the bits of its children, as in an ``.ot`` file
 
 
 class LabVolume:
-    """Scans of a 3D sensor and the map of them. Not for several threads at once.
+    """Scans of a 3D sensor and their map. Not thread-safe.
 
-    With other voxels the map is computed again from them, a few scans with each :meth:`catch_up`. Of a recording
-    that becomes too long every second scan is given up.
+    With another voxel size the map is recomputed from the scans, a few with each :meth:`catch_up`. If a recording
+    becomes too long, every second scan is dropped.
     """
 
     def __init__(self, world: World, seed: int, parameters: VolumeParameters) -> None:
         self.parameters = parameters
         self.world = world
         self._noise = np.random.default_rng([seed, 3])
-        self._due = -np.inf  #: when the next scan is taken, simulated seconds
+        self._due = -np.inf  #: when the next scan is due, simulated seconds
         self.scans: list[Scan3D] = []
-        self.problem: LimitError | None = None  #: why scans are not in the map
+        self.problem: LimitError | None = None  #: why some scans are not in the map
         self.begin_map()
 
     def begin_map(self) -> None:
-        """Empty the map; the scans stay."""
+        """Clear the map, but keep the scans."""
         self.volume = OccupancyVolume(self.parameters.config)
-        self.used = 0  #: how many of the scans are in the map
+        self.used = 0  #: number of the scans in the map
         self.problem = None
         self._inserted = Insertion()
-        self._decayed_at = -np.inf  #: stamp of the scan since which decayed voxels are not drawn again, seconds
+        self._decayed_at = -np.inf  #: stamp of the scan since which decayed voxels were not redrawn, seconds
 
     def change(self, parameters: VolumeParameters) -> bool:
-        """Use other parameters; return whether the map is made again."""
+        """Use other parameters; return whether the map is recomputed."""
         before, self.parameters = self.parameters, parameters
         if parameters.sensor != before.sensor:
             self._due = -np.inf
@@ -71,9 +71,9 @@ class LabVolume:
         return self.used < len(self.scans) and self.problem is None
 
     def look(self, world: World, pose: PoseTuple, believed: PoseTuple, now: float) -> bool:
-        """Take a scan of the robot at ``pose`` that takes itself to be at ``believed``, if one is due at ``now``, s.
+        """Record a scan at ``pose`` (by the robot's estimate ``believed``), if one is due at ``now``, s.
 
-        At most one, however much time has passed. Return whether there is one.
+        At most one is recorded, however much time has passed. Returns whether there is one.
         """
         sensor = self.parameters.sensor
         if self.problem is not None or now < self._due - 1e-9:
@@ -88,7 +88,7 @@ class LabVolume:
         return True
 
     def catch_up(self, limits: Limits) -> list[np.ndarray]:
-        """Put the next scans into the map; return the slots of the blocks that each touched."""
+        """Integrate the next scans into the map; return the slots of the blocks that each touched."""
         self.volume.blocks.limits = lab_limits(limits)
         touched = []
         for scan in self.scans[self.used : self.used + AT_ONCE]:
@@ -113,7 +113,7 @@ class LabVolume:
 
     @property
     def index(self) -> int:
-        """Number of scans in the map, of those that are kept."""
+        """Number of stored scans in the map."""
         return self.used
 
     def placed_scans(self) -> Iterator[PlacedScan]:
@@ -121,7 +121,7 @@ class LabVolume:
         return (_placed(scan, self.config) for scan in self.scans[: self.used])
 
     def projection(self) -> OccupancyGrid:
-        """Return the map from above of the heights of the band, on a lattice that holds the world."""
+        """Return the map from above of the band of heights, on a lattice that covers the world."""
         size = self.parameters.config.resolution
         x0, y0, x1, y1 = self.world.bounds
         col0, row0 = int(np.floor(x0 / size)) - 1, int(np.floor(y0 / size)) - 1
@@ -142,9 +142,9 @@ class LabVolume:
         return grid
 
     def memory(self) -> dict[str, int]:
-        """Return how much memory the map takes in three forms, bytes, and the numbers of nodes and known voxels.
+        """Return the map's memory in three representations, bytes, and the numbers of nodes and known voxels.
 
-        A dense grid has a float32 for each voxel of the box of the world, :data:`HIGHEST` high.
+        A dense grid has a float32 for each voxel of the world's box, :data:`HIGHEST` high.
         """
         volume, size = self.volume, self.parameters.config.resolution
         x0, y0, x1, y1 = self.world.bounds
@@ -162,15 +162,15 @@ class LabVolume:
 
 
 def lab_limits(limits: Limits) -> Limits:
-    """Return the limits of a map of the lab."""
+    """Return the limits for a map of the lab."""
     return replace(limits, max_blocks=min(MOST_BLOCKS, limits.max_cells // BLOCK**3))
 
 
 def _placed(scan: Scan3D, config: VolumeConfig) -> PlacedScan:
     """Return the ends of a scan's beams.
 
-    Those without a return end beyond the longest range of the map, which cuts them. Where the sensor had a shorter
-    range than it has now they are left out: their ends would be obstacles.
+    Beams without a return end beyond the longest range of the map, which cuts them. If the sensor's range was shorter
+    than it is now they are left out, because their ends would become obstacles.
     """
     ends, origin = scan.ends()
     if scan.sensor.reach < config.range_max:
@@ -179,10 +179,10 @@ def _placed(scan: Scan3D, config: VolumeConfig) -> PlacedScan:
 
 
 def only_in_3d(projection: OccupancyGrid, flat: OccupancyGrid) -> tuple[np.ndarray, int]:
-    """Return what the projection has, uint8 (rows, cols), and how many of its occupied cells a flat map lacks.
+    """Return the cells of the projection, uint8 (rows, cols), and how many of its occupied cells a flat map lacks.
 
-    255 is unknown, 0 free, 1 occupied in both maps, 2 occupied in the projection and in no cell of the flat map that is
-    within a cell of it.
+    255 is unknown, 0 free, 1 occupied in both maps, 2 occupied in the projection without an occupied cell of the flat
+    map within one cell.
     """
     occupied = projection.classify() == OCCUPIED
     rows, cols = np.nonzero(flat.classify() == OCCUPIED)
@@ -199,7 +199,7 @@ def only_in_3d(projection: OccupancyGrid, flat: OccupancyGrid) -> tuple[np.ndarr
 
 
 def points_of(scans: Sequence[Scan3D]) -> Float64Array:
-    """Return at most :data:`MOST_POINTS` of the points (n, 3) that scans measured, the newest among them, metres."""
+    """Return at most :data:`MOST_POINTS` measured points (n, 3) of the newest scans, metres."""
     left, parts = MOST_POINTS, []
     for scan in reversed(scans):
         points = scan.ends()[0][np.isfinite(scan.ranges)]
@@ -211,7 +211,7 @@ def points_of(scans: Sequence[Scan3D]) -> Float64Array:
 
 
 def true_ground(world: World, points: Float64Array) -> BoolArray:
-    """Return which points (n, 3) lie on the floor of a world or on one of its ramps."""
+    """Return which points (n, 3) are on the floor of a world or on one of its ramps."""
     on_ground = np.abs(points[:, 2]) <= TRUE_WITHIN
     for block in world.blocks:
         a, b, c = block.top

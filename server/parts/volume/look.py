@@ -1,4 +1,4 @@
-"""Display options of a map in 3D: their table, and the colours."""
+"""Display options of a 3D map: their table and the colours."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mapper.core.array_types import BoolArray, Float32Array
 from mapper.core.parameter import check_fields, choice, flag, number, table_of
 from mapper.volume.mesh.voxel_normals import directions
 
-#: Rows whose bounds are those of the map, with their axes.
+#: Rows with the bounds of the map, and their axes.
 AXES = {
     "cut_x_low": 0, "cut_x_high": 0, "cut_y_low": 1, "cut_y_high": 1, "cut_low": 2, "cut_high": 2,
     "band_low": 2, "band_high": 2,
@@ -29,7 +29,7 @@ def _place(label: str, initial: float, sentence: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """Display options of a map in 3D, see the table :data:`LOOK_PARAMETERS`.
+    """Display options of a 3D map, see the table :data:`LOOK_PARAMETERS`.
 
     Raises :class:`ConfigError` for a value outside its row.
     """
@@ -98,17 +98,17 @@ def _ramp(*stops: tuple[int, int, int]) -> NDArray[np.uint8]:
     return np.round(np.stack(rgb, axis=1)).astype(np.uint8)
 
 
-#: From low to high: lightness grows all the way, so that heights are told apart without hues as well.
+#: From low to high. Lightness increases throughout, so that heights differ without hues too.
 HEIGHT_RAMP = _ramp((46, 58, 128), (33, 113, 151), (44, 158, 128), (137, 196, 82), (240, 222, 96))
 #: From the least probability of an occupied voxel to the greatest.
 BELIEF_RAMP = _ramp((250, 224, 190), (222, 130, 66), (110, 36, 12))
-#: Of the sides −x, +x, −y, +y, −z, +z: opposite sides have one hue.
+#: Of the sides −x, +x, −y, +y, −z, +z; opposite sides have the same hue.
 SIDE_COLOURS = np.array(
     [(206, 104, 82), (206, 104, 82), (92, 160, 104), (92, 160, 104), (98, 116, 184), (120, 150, 220)], dtype=np.uint8
 )
 ADDED, REMOVED = (22, 138, 96), (196, 48, 40)
 PLAIN = (96, 106, 124)
-#: Of the classes of ASPRS LAS 1.4 that airborne scans have: created, unclassified, ground, vegetation, building, ...
+#: Of the ASPRS LAS 1.4 classes used for airborne scans: created, unclassified, ground, vegetation, building, ...
 CLASS_COLOURS = np.array(
     [
         (150, 150, 150), (150, 150, 150), (172, 120, 66), (150, 200, 110), (96, 170, 80), (38, 130, 56), (208, 74, 60),
@@ -121,12 +121,12 @@ CLASS_COLOURS = np.array(
 def ramp_of(values: NDArray[Any], low: float, high: float, ramp: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return the colours (n, 3) of values (n,) between ``low`` and ``high``."""
     share = (values - low) * (len(ramp) / max(high - low, 1e-9))
-    # The maximum is 0 for NaN, too.
+    # The maximum is 0 for NaN too.
     return ramp.take(np.fmin(np.fmax(share, 0.0), len(ramp) - 1.0).astype(np.intp), axis=0)
 
 
 def normal_colors(normals: NDArray[np.int8]) -> NDArray[np.uint8]:
-    """Return the colours (n, 3) of surfaces that face along ``normals`` (n, 3): those of the voxels' sides, mixed."""
+    """Return the colours (n, 3) of surfaces with ``normals`` (n, 3), mixed from those of the voxels' sides."""
     away = normals.astype(np.float64)
     squares = away * away
     squares /= np.maximum(squares.sum(axis=1, keepdims=True), 1.0)
@@ -137,5 +137,5 @@ def normal_colors(normals: NDArray[np.int8]) -> NDArray[np.uint8]:
     return np.round(np.asarray(mixed)).astype(np.uint8)
 
 
-#: Of the directions that voxels face, by their numbers, the first of which is 1.
+#: Of the directions of voxels, numbered from 1.
 NORMAL_COLOURS = normal_colors(np.round(127.0 * directions()).astype(np.int8))

@@ -1,4 +1,4 @@
-"""Parts of the messages of a session that shows a map in 3D."""
+"""Parts of the messages of a session that shows a 3D map."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from server.parts.volume.messages import VoxelMessage
 from server.stream.message_parts import LogInfo, Table, rows_of
 from server.stream.message_parts import VoxelUpdate as SentUpdate
 
-MOST_UPDATES = 200  #: of a voxel that are sent
+MOST_UPDATES = 200  #: maximum number of updates of a voxel sent
 
 
 def look_table(first: Look, now: Look, low: Float64Array, high: Float64Array) -> Table:
-    """Return the table of what is shown, with the ends of the map as bounds, and the present values."""
+    """Return the table of display options with the map's ends as bounds, and the current values."""
     ends = outside(low, high)
     rows = [
         replace(row, low=ends[0][axis], high=ends[1][axis]) if (axis := AXES.get(row.name)) is not None else row
@@ -30,7 +30,7 @@ def look_table(first: Look, now: Look, low: Float64Array, high: Float64Array) ->
 
 
 def outside(low: Float64Array, high: Float64Array) -> tuple[list[float], list[float]]:
-    """Return the corners of a box around the map, half a metre away, in centimetres, metres."""
+    """Return the corners of a box around the map, half a metre away, in metres rounded to centimetres."""
     return (low - 0.5).round(2).tolist(), (high + 0.5).round(2).tolist()
 
 
@@ -54,18 +54,18 @@ def log_info(source: ScanSequence | OctreeFile, log_id: str, topic: str | None, 
 
 
 def rounded_place(place: Float32Array | Float64Array) -> tuple[float, float, float]:
-    """Return a place (3,), metres, rounded as messages have it."""
+    """Return a place (3,), metres, rounded for messages."""
     x, y, z = (round(float(value), 4) for value in place)
     return x, y, z
 
 
 def no_voxel(size: float) -> VoxelMessage:
-    """Return the message ``voxel`` that none is chosen; ``size`` is the side of a voxel, metres."""
+    """Return the ``voxel`` message for no voxel; ``size`` is the side of a voxel, metres."""
     return VoxelMessage(centre=None, size=size, log_odds=None, state="unknown", index=0, total=0, hits=0, updates=[])
 
 
 def sent_updates(updates: Sequence[VoxelUpdate]) -> list[SentUpdate]:
-    """Return the newest of what the scans did to a voxel, as the message ``voxel`` has it."""
+    """Return the newest updates of a voxel as fields of the ``voxel`` message."""
     return [
         SentUpdate(
             scan=update.scan + 1,

@@ -1,4 +1,4 @@
-"""The commands and the messages of a map in 3D, as the stream has them."""
+"""The stream's commands and messages of a 3D map."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from server.stream.message_parts import (
 
 
 class Map3dCommand(Struct, tag_field="type", tag="map3d"):
-    """Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it."""
+    """Simulations: begin a 3D map from the robot's 3D sensor, change it, or end it."""
 
     value: Annotated[bool, Meta(description="whether there is one")] = True
     values: Annotated[
@@ -32,19 +32,19 @@ class Map3dCommand(Struct, tag_field="type", tag="map3d"):
 
 
 class VolumeLookCommand(Struct, tag_field="type", tag="volume_look"):
-    """Sessions in 3D: change what is shown, and how."""
+    """Sessions in 3D: change the display options."""
 
     values: Annotated[UncheckedValues, Meta(description="new values; the others stay")]
 
 
 class SurfaceCommand(Struct, tag_field="type", tag="surface"):
-    """Sessions in 3D: change parameters of the surface, which is then made again."""
+    """Sessions in 3D: change parameters of the surface, which is then recomputed."""
 
     values: Annotated[UncheckedValues, Meta(description="new values; the others stay")]
 
 
 class VoxelCommand(Struct, tag_field="type", tag="voxel"):
-    """Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none."""
+    """Sessions in 3D: ask why the voxel at a place has its state; answered with `voxel`. Null: choose none."""
 
     x: Annotated[Number | None, Meta(description="x in the map frame, m")] = None
     y: Annotated[Number | None, Meta(description="y in the map frame, m")] = None
@@ -59,13 +59,13 @@ class VoxelRayCommand(Struct, tag_field="type", tag="voxel_ray"):
 
 
 class VolumeKeepCommand(Struct, tag_field="type", tag="volume_keep"):
-    """Sessions in 3D: keep the present map to compare later ones with it, or end the comparison."""
+    """Sessions in 3D: keep the current map to compare later ones with it, or end the comparison."""
 
     value: Annotated[bool, Meta(description="whether to compare")] = True
 
 
 class Map3dMessage(Struct, tag_field="type", tag="map3d"):
-    """The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`."""
+    """The 3D map of a simulation. Cells that are only in this map are in the layer `only_in_3d`."""
 
     is_on: Annotated[bool, Meta(description="whether there is one")]
     values: Annotated[Values, Meta(description="parameters of the 3D sensor and the map")]
@@ -82,7 +82,7 @@ class Map3dMessage(Struct, tag_field="type", tag="map3d"):
 
 
 class VolumeMessage(Struct, tag_field="type", tag="volume"):
-    """Sessions in 3D: what the map has, and how it is shown. Sent at the start and after changes."""
+    """Sessions in 3D: the contents of the map and its display options. Sent at the start and after changes."""
 
     look: Annotated[Table, Meta(description="what is shown, and how")]
     low: Annotated[Place, Meta(description="least coordinates of the map, m")]
@@ -108,7 +108,7 @@ class VolumeMessage(Struct, tag_field="type", tag="volume"):
 
 
 class VoxelMessage(Struct, tag_field="type", tag="voxel"):
-    """Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen."""
+    """Answer to `voxel` and to a click in 3D, for all clients: why a voxel has its state. Null: none is chosen."""
 
     centre: Annotated[Place | None, Meta(description="its centre, m")]
     size: Annotated[float, Meta(description="its side, m")]
@@ -122,7 +122,7 @@ class VoxelMessage(Struct, tag_field="type", tag="voxel"):
 
 
 class SurfaceMessage(Struct, tag_field="type", tag="surface"):
-    """Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes.
+    """Sessions in 3D: the surface from truncated signed distances. Sent at the start and after changes.
 
     A simulation sends it while its surface is shown; its parameters are those of the 3D map.
     """
@@ -141,7 +141,7 @@ class SurfaceMessage(Struct, tag_field="type", tag="surface"):
 
 
 class SurfaceVoxelMessage(Struct, tag_field="type", tag="surface_voxel"):
-    """Answer to `voxel` and to a click in 3D while the surface is shown, to all clients. Null: none is chosen."""
+    """Answer to `voxel` and to a click in 3D while the surface is shown, for all clients. Null: none is chosen."""
 
     centre: Annotated[Place | None, Meta(description="its centre, m")]
     size: Annotated[float, Meta(description="its side, m")]

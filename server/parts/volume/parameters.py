@@ -1,4 +1,4 @@
-"""The parameters of the lab's 3D map: of its sensor, of the map, and of what is shown of it."""
+"""The parameters of the lab's 3D map: of its sensor, of the map, and of its display."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from server.parts.volume.look import CUTS, LOOK_PARAMETERS, Look
 LOWEST, HIGHEST = -0.3, 2.4  #: metres: of the voxels of the lab's worlds
 COLOURS = ("height", "belief", "normal")
 KINDS = ("occupancy", "tsdf")
-#: The surface has the voxels of the map and the range of the sensor; its truncation is at most so long, metres.
+#: The surface uses the map's voxels and the sensor's range; its truncation is at most this long, metres.
 _NOT_OF_SURFACE, _LONGEST_TRUNCATION = ("resolution", "range_max"), 2.0
 
 _OF_CLIP_BOX = (*CUTS, "cut_handles")
-_HEIGHTS_FIRST = {"cut_low": 0.1, "cut_high": 1.5}  #: without the floor and the lintels of doors, metres
+_HEIGHTS_FIRST = {"cut_low": 0.1, "cut_high": 1.5}  #: excludes the floor and the lintels of doors, metres
 
 
 def _of_surface(row: Parameter) -> Parameter:
@@ -29,7 +29,7 @@ def _of_surface(row: Parameter) -> Parameter:
 
 
 def _of_clip_box(row: Parameter) -> Parameter:
-    """Return the row of the lab; those of x and y have no bounds of a world, which may be replaced by another."""
+    """Return the row for the lab. Those of x and y are not bound to a world, because it may be replaced."""
     if row.name not in _HEIGHTS_FIRST:
         return replace(row, group="clip_3d")
     return replace(row, group="clip_3d", initial=_HEIGHTS_FIRST[row.name], low=LOWEST, high=HIGHEST)
@@ -77,17 +77,17 @@ TABLE: tuple[Parameter, ...] = (
 )  # fmt: skip
 _ROWS = {row.name: row for row in TABLE}
 _OF_THE_SENSOR = frozenset(row.name for row in SENSOR_3D_PARAMETERS)
-_FLOOR = 0.55  #: of a voxel: the centres of voxels that hold the floor z = 0 are nearer to it than this
+_FLOOR = 0.55  #: of a voxel: the centres of voxels that contain the floor z = 0 are closer to it than this
 
 
 @dataclass(frozen=True, slots=True)
 class VolumeParameters:
-    """The present values. Raises :class:`ConfigError` for what the table refuses."""
+    """The current values. Raises :class:`ConfigError` if the table rejects them."""
 
     values: Mapping[str, Any] = field(default_factory=lambda: {row.name: row.initial for row in TABLE})
 
     def with_values(self, values: Mapping[str, Any]) -> VolumeParameters:
-        """Return the parameters with other values; the rest stays. Raises :class:`ConfigError`."""
+        """Return the parameters with other values. Raises :class:`ConfigError`."""
         check_names(values, TABLE, "parameter of the 3D map")
         parameters = replace(self, values={**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}})
         if parameters.values["band_high"] <= parameters.values["band_low"]:
@@ -108,7 +108,7 @@ class VolumeParameters:
 
     @property
     def config(self) -> VolumeConfig:
-        """Parameters of the map. Beams are cut at the range of the sensor, where those without a return end."""
+        """Parameters of the map. Beams are cut at the sensor's range, where those without a return end."""
         values = self.values
         return VolumeConfig(resolution=values["voxel"], range_max=values["reach"], half_life=values["half_life"])
 
@@ -126,11 +126,11 @@ class VolumeParameters:
 
     @property
     def look(self) -> Look:
-        """What is drawn, and its clip box."""
+        """The display options with the clip box."""
         colour = "normal" if self.values["colour"] == "normal" else "height"
         return Look(colour=colour, band=HIGHEST / RAMP, **{name: self.values[name] for name in _OF_CLIP_BOX})
 
     @property
     def band(self) -> tuple[float, float]:
-        """The heights of the projection, without voxels that hold the floor, metres."""
+        """The heights of the projection, without voxels that contain the floor, metres."""
         return max(self.values["band_low"], _FLOOR * self.values["voxel"]), self.values["band_high"]

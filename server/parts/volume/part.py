@@ -37,12 +37,12 @@ from server.stream.grid_layer import GridLayer
 from server.stream.layers import Layer
 from server.stream.message_parts import rows_of
 
-MOST_POINTS = 2000  #: of the newest scan that are drawn
+MOST_POINTS = 2000  #: maximum number drawn of the newest scan
 SCANS_OF_PROJECTION = 2  #: scans between two projections,
 SCANS_OF_MEMORY = 8  #: and between two counts of the nodes of the octree
 BANDS = 12  #: colours of heights
 POINT = (200, 60, 120)
-#: From dark blue at the floor to yellow, even steps of lightness.
+#: From dark blue at the floor to yellow, in even steps of lightness.
 PALETTE = np.array(
     [
         (48, 60, 120), (46, 82, 140), (42, 104, 152), (40, 124, 156), (44, 144, 154), (58, 162, 146),
@@ -52,15 +52,15 @@ PALETTE = np.array(
 )  # fmt: skip
 
 
-#: The clip box of another world: of all its x and y.
+#: The clip box for another world covers all of its x and y.
 _WHOLE_WORLD = {row.name: row.initial for row in MAP_3D if row.name.startswith(("cut_x", "cut_y"))}
 _AT_FIRST = VolumeParameters().look
 
 
 class VolumeView(Part, Volumetric, DepthSensing):
-    """The 3D map of a simulation, from its command ``map3d`` on until the same command ends it.
+    """The 3D map of a simulation. The ``map3d`` command begins and ends it.
 
-    Faces of voxels are made only while a 3D view asks for them.
+    Faces of voxels are computed only while a 3D view requests them.
     """
 
     commands = (Map3dCommand, VoxelCommand, VoxelRayCommand)
@@ -77,18 +77,18 @@ class VolumeView(Part, Volumetric, DepthSensing):
         self._chosen = ChosenVoxel()
         self._questions = VoxelQuestions(host, self._chosen)
         self._dirty: set[ChunkKey] = set()
-        self._is_drawn = False  #: whether a 3D view has asked for drawings since the last tick
+        self._is_drawn = False  #: whether a 3D view has requested drawings since the last tick
         self._voxels: dict[ChunkKey, np.ndarray] = {}
         self._palette = PALETTE  #: of these
         self._since = 0  #: scans since the last projection
         self._memory: dict[str, int] = {}
-        self._memory_at = -1  #: scans in the map when memory was counted last
+        self._memory_at = -1  #: number of scans in the map when memory was last counted
         self._missing = 0
-        self.projection: OccupancyGrid | None = None  #: the map from above, replaced when it changes; None: no 3D map
+        self.projection: OccupancyGrid | None = None  #: map from above, replaced when it changes; None while it is off
 
     @property
     def is_asked(self) -> bool:
-        """Whether a click in the 3D view asks about a voxel; otherwise it places the robot."""
+        """Whether a click in the 3D view queries a voxel; otherwise it places the robot."""
         return self._map is not None and self._map.parameters.values["click"] == "asks_a_voxel"
 
     @property
@@ -99,7 +99,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
     @property
     def hint(self) -> str:
-        """A click asks about a voxel, or places the robot."""
+        """Effect of a click: it queries a voxel, or places the robot."""
         return "Click a voxel to ask about it." if self.is_asked else ""
 
     @property
@@ -109,7 +109,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
     @property
     def truth(self) -> str | None:
-        """The simulated world says which points are ground."""
+        """The simulated world, which defines the ground points."""
         return "the true world"
 
     def points(self) -> Float64Array:
@@ -117,21 +117,21 @@ class VolumeView(Part, Volumetric, DepthSensing):
         return points_of(() if self._map is None else self._map.scans)
 
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
-        """Return the points of the scans (n, 3), the world's bounds, and which points lie on its floor and ramps."""
+        """Return the points of the scans (n, 3), the world's bounds, and which points are on its floor and ramps."""
         world = self._mapper.simulation.world
         points = self.points()
         return points, world.bounds, true_ground(world, points)
 
     @property
     def is_behind(self) -> bool:
-        """Whether recorded scans are not in the map, or the surface that is shown, yet."""
+        """Whether recorded scans are not yet in the map or the displayed surface."""
         if self._surface is not None and self._surface.is_behind:
             return True
         return self._map is not None and self._map.is_behind
 
     @property
     def progress(self) -> float | None:
-        """The share of the recorded scans that is in the map, or in the surface that is shown; None while all are."""
+        """Share of the recorded scans in the map, or in the displayed surface; None once all are."""
         if self._map is None or not self.is_behind:
             return None
         used = self._map.used if self._surface is None else min(self._map.used, self._surface.index)
@@ -144,14 +144,14 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
     @property
     def cells(self) -> int:
-        """Numbers of 4 bytes that it holds."""
+        """Number of 4-byte values that it uses."""
         surface = 0 if self._surface is None else self._surface.surface.cells
         return surface + (0 if self._map is None else 512 * self._map.volume.blocks.count)
 
     # -- commands -------------------------------------------------------------------------------------------------
 
     def handle(self, command: Map3dCommand | VoxelCommand | VoxelRayCommand, result: TickResult) -> None:
-        """Begin the 3D map, change it, end it, or say why a voxel is so.
+        """Begin the 3D map, change it, end it, or explain a voxel.
 
         Raises :class:`ConfigError`; nothing has changed then.
         """
@@ -183,7 +183,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
         result.slot(self.message())
 
     def _show_kind(self, lab: LabVolume, result: TickResult) -> None:
-        """Begin, change or end the surface as the parameters say."""
+        """Begin, change or end the surface according to the parameters."""
         if not lab.parameters.is_surface:
             if self._surface is not None:
                 self._choose_none(lab, result)
@@ -202,11 +202,11 @@ class VolumeView(Part, Volumetric, DepthSensing):
         return self._map
 
     def question(self, origin: Point, direction: Point) -> VoxelRayCommand:
-        """Return the command that asks about the voxel that a line of sight meets."""
+        """Return the command that queries the voxel that a line of sight meets."""
         return VoxelRayCommand(origin, direction)
 
     def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
-        """Return where a line of sight meets the surface, or the voxels, that are shown."""
+        """Return where a line of sight meets the displayed surface or voxels."""
         lab = self._made()
         if self._surface is not None:
             return self._surface.surface.met(origin, direction)
@@ -224,20 +224,20 @@ class VolumeView(Part, Volumetric, DepthSensing):
         return ClipBox(np.array([x0, y0, LOWEST]), np.array([x1, y1, HIGHEST]))
 
     def newest_depths(self) -> tuple[Float32Array, float] | None:
-        """Return the newest image of the 3D sensor, where that is a depth camera."""
+        """Return the newest image of the 3D sensor, if it is a depth camera."""
         scan = self._map.scans[-1] if self._map is not None and self._map.scans else None
         image = None if scan is None else scan.depth_image()
         return None if scan is None or image is None else (image.depth, scan.sensor.reach)
 
     def octree_bytes(self, kind: str) -> bytes:
-        """Return the map as a file ``.bt`` or ``.ot``. Raises :class:`ConfigError` where there is none."""
+        """Return the map as a ``.bt`` or ``.ot`` file. Raises :class:`ConfigError` if there is none."""
         lab = self._made()
         return octree_file(Octree.of(lab.volume), kind, lab.config).bytes(lab.config)
 
     def mesh_bytes(self, kind: str) -> bytes:
-        """Return what is shown as a file ``.ply`` or ``.glb``: the outside of the occupied voxels, or the surface.
+        """Return the outside of the occupied voxels, or the surface if that is shown, as a ``.ply`` or ``.glb`` file.
 
-        Raises as the octree's.
+        Raises like :meth:`octree_bytes`.
         """
         lab = self._made()
         if self._surface is not None:
@@ -246,7 +246,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
         return ply_bytes(mesh) if kind == ".ply" else glb_bytes(mesh)
 
     def selection_bytes(self) -> bytes:
-        """Return the centres of the drawn voxels as a file ``.ply``. Raises as the octree's."""
+        """Return the centres of the drawn voxels as a ``.ply`` file. Raises like :meth:`octree_bytes`."""
         lab = self._made()
         centres = centres_of(lab.volume.voxels(float(lab.config.log_odds_occupied))[0], lab.config.resolution)
         return points_ply(centres[lab.parameters.look.shows(centres)], {}, np.zeros(3))
@@ -257,7 +257,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
         return self.projection
 
     def end(self, result: TickResult) -> None:
-        """Keep no 3D map any more."""
+        """Discard the 3D map."""
         if self._map is not None:
             self._choose_none(self._map, result)
             self._map = self._surface = self.projection = None
@@ -266,7 +266,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
             result.slot(self.message())
 
     def note(self, command: Struct, result: TickResult) -> None:
-        """Begin an empty map in another world."""
+        """Begin an empty map if the world changes."""
         if self._map is not None and isinstance(command, WorldCommand | RestartCommand):
             self._choose_none(self._map, result)
             parameters = self._map.parameters
@@ -294,7 +294,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
     # -- computing ------------------------------------------------------------------------------------------------
 
     def changed(self, result: TickResult) -> None:
-        """Take a scan if one is due, put scans into the map, and update what is shown."""
+        """Record a scan if one is due, integrate scans into the map, and update the display."""
         lab = self._map
         if lab is None:
             return
@@ -356,11 +356,11 @@ class VolumeView(Part, Volumetric, DepthSensing):
     # -- what is shown --------------------------------------------------------------------------------------------
 
     def messages(self) -> list[Map3dMessage | SurfaceMessage]:
-        """Return the message ``map3d``, and ``surface`` while that is shown."""
+        """Return the ``map3d`` message, and ``surface`` while the surface is shown."""
         return [self.message(), *([] if self._surface is None else [self._surface.message()])]
 
     def message(self) -> Map3dMessage:
-        """Return the message ``map3d``."""
+        """Return the ``map3d`` message."""
         lab = self._map
         nothing = {"known": 0, "nodes": 0, "leaves": 0, "octree_bytes": 0, "block_bytes": 0, "dense_bytes": 0}
         return Map3dMessage(
@@ -374,14 +374,14 @@ class VolumeView(Part, Volumetric, DepthSensing):
         )
 
     def over(self, flat: list[Drawing]) -> list[Drawing]:
-        """Return the voxels, the newest scan, and of ``flat`` the robot (event loop, between two ticks)."""
+        """Return the voxels, the newest scan, and the robot from ``flat`` (event loop, between two ticks)."""
         lab = self._map
         if lab is None:
             return flat
         self._is_drawn = True
         surface = self._surface
         if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
-            self._host.enqueue(Map3dCommand())  # no tick would make the faces otherwise
+            self._host.enqueue(Map3dCommand())  # otherwise no tick would compute the faces
         size, look = lab.parameters.config.resolution, lab.parameters.look
         drawings = [value for value in flat if not isinstance(value, GridColumns)]
         drawings.append(
@@ -400,7 +400,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
 
 
 def part_of(offers: Offers) -> VolumeView | None:
-    """Return the part of a simulation, which offers its points and its map from above."""
+    """Return the part for a simulation, which offers its points and its map from above."""
     if offers.simulation is None:
         return None
     view = VolumeView(offers.host, offers.simulation, offers.playback)

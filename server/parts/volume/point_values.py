@@ -1,4 +1,4 @@
-"""Numbers of the points of a cloud that colours show: intensity, the time of their scan, how far another cloud is."""
+"""Values by which a cloud's points are coloured: intensity, time of the scan, distance to another cloud."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.look import COLOURS
 from server.stream.message_parts import ColourScale
 
-MOST_COMPARED = 2_000_000  #: points of either cloud; of a larger one a sample is taken
-LEAST_DIFFERENCE_M = 0.01  #: at the end of the scale, at least
+MOST_COMPARED = 2_000_000  #: points of either cloud; a larger one is sampled
+LEAST_DIFFERENCE_M = 0.01  #: least value at the end of the scale
 UNITS = {"intensity": "", "time": "s", "difference": "m"}
 
 
 class PointValues:
-    """What is known of each point of ``scans``, None for a map without points; ``other`` is compared with them."""
+    """Values of each point of ``scans``, None for a map without points. ``other`` is compared with them."""
 
     def __init__(self, scans: ScanSequence | None, other: ScanSequence | None = None) -> None:
         self._scans, self._other = scans, other
-        self._banded: tuple[str, UInt8Array, ColourScale] | None = None  #: the numbers that were asked for last
+        self._banded: tuple[str, UInt8Array, ColourScale] | None = None  #: the values requested last
 
     @cached_property
     def names(self) -> list[str]:
-        """What the points can be coloured by, besides their height."""
+        """The colourings of the points, besides their height."""
         scans = self._scans
         if scans is None:
             return []
@@ -35,15 +35,15 @@ class PointValues:
         return names + ["time"] * (len(scans) > 1) + ["difference"] * (self._other is not None)
 
     def is_banded(self, name: str) -> bool:
-        """Whether a colouring shows a number that the points have, in :data:`COLOURS` steps."""
+        """Return whether a colouring shows a value of the points, in :data:`COLOURS` steps."""
         return name in UNITS and name in self.names
 
     def scale(self, name: str) -> ColourScale | None:
-        """Return the least and the greatest number of a colouring, once that is known."""
+        """Return the least and the greatest value of a colouring, once known."""
         return self._banded[2] if self._banded is not None and self._banded[0] == name else None
 
     def bands(self, name: str) -> UInt8Array:
-        """Return the steps (n,), 0 to :data:`COLOURS` − 1, of the numbers of all points; NaN is in the first step."""
+        """Return the steps (n,), 0 to :data:`COLOURS` − 1, of the values of all points; NaN is in the first step."""
         if self._banded is None or self._banded[0] != name:
             values, low, high = getattr(self, f"_{name}")()
             steps = (values - low) * (COLOURS / max(high - low, 1e-9))
@@ -69,7 +69,7 @@ class PointValues:
         return values, float(low), float(high)
 
     def _time(self) -> tuple[Float64Array, float, float]:
-        """Return the times of the points' scans after the first, seconds; their numbers from 1 where there are none."""
+        """Return the times of the points' scans since the first, seconds; without times, their numbers from 1."""
         scans = self._given
         times = np.arange(1.0, len(scans) + 1.0)
         if self._has_stamps:
@@ -77,9 +77,9 @@ class PointValues:
         return np.repeat(times, np.diff(scans.starts)), float(times.min()), float(times.max())
 
     def _difference(self) -> tuple[Float64Array, float, float]:
-        """Return how far the nearest point of the other cloud is, metres.
+        """Return the distance of the nearest point of the other cloud, metres.
 
-        Of a point that is not in the sample it is that of the one before. The scale ends where one in a hundred points
+        A point outside the sample has the value of the previous one in it. The scale ends where one in a hundred points
         is farther away.
         """
         scans, other = self._given, self._other

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/volume.*``, ``surface.*``, ``depth.png``: the map in 3D of a session as files, its camera."""
+"""``/api/sessions/{id}/volume.*``, ``surface.*``, ``depth.png``: files of a session's 3D map, and its camera."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
 from server.sessions.parts import DepthSensing, Volumetric
 
-DARKEST = 40  #: grey of what is as far as the camera reaches; 0 is where nothing returned
+DARKEST = 40  #: grey value at the camera's longest range; 0 means no return
 
 
 def depth_png(depths: Float32Array, reach: float) -> bytes:
@@ -46,7 +46,7 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 async def volume_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["bt", "ot"]
 ) -> Response:
-    """Return the map in 3D as an octree of OctoMap: .bt has free and occupied voxels, .ot their log-odds."""
+    """Return the 3D map as an octree of OctoMap: .bt has free and occupied voxels, .ot their log-odds."""
     return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.octree_bytes(f".{kind}"))
 
 
@@ -55,9 +55,9 @@ async def volume_file(
 async def surface_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["ply", "glb"]
 ) -> Response:
-    """Return the surface by truncated signed distances as triangles with normals: PLY, or glTF in one file.
+    """Return the surface from truncated signed distances as triangles with normals: PLY, or glTF in one file.
 
-    Of a simulation it is the outside of its occupied voxels where these are shown.
+    If a simulation shows its occupied voxels, it is their outside.
     """
     return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.mesh_bytes(f".{kind}"))
 
@@ -65,7 +65,7 @@ async def surface_file(
 @router.get("/{session_id}/selection.ply", **file_answer("application/octet-stream"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def selection_file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return the points within the clip box as PLY, with what is known of them; of an octree its occupied voxels."""
+    """Return the points within the clip box, with their values, as PLY; for an octree, its occupied voxels."""
     return _download(request, sessions, downloads, session_id, "ply", lambda volume: volume.selection_bytes())
 
 
@@ -74,7 +74,7 @@ async def selection_file(request: Request, sessions: Sessions, downloads: FileDo
 async def above_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["pgm", "yaml"]
 ) -> Response:
-    """Return the map in 3D seen from above, of its band of heights, for map_server: the image, or its YAML file."""
+    """Return the 3D map's band of heights, seen from above, for map_server: the image, or its YAML file."""
     session = sessions.get(session_id)
 
     async def make() -> Content:
@@ -96,7 +96,7 @@ async def above_file(
 @router.get("/{session_id}/depth.png", **file_answer("image/png"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def depth_picture(sessions: Sessions, session_id: str) -> Response:
-    """Return the newest image of the simulated depth camera: the nearer the lighter, black where nothing returned."""
+    """Return the newest image of the simulated depth camera: the nearer the lighter, black for no return."""
     session = sessions.get(session_id)
     seen = session.model.find(DepthSensing)
     depths = None if seen is None else seen.newest_depths()

@@ -1,4 +1,4 @@
-"""From where the sensor of a map in 3D looks."""
+"""Position and viewing direction of a 3D map's sensor."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from mapper.volume.scans.scan_sequence import ScanSequence
 from server.sessions.drawings import Point
 from server.sessions.scene_controls import Sight
 
-LEAST_WAY_M = 0.1  #: between two places that say where a sensor is going
+LEAST_WAY_M = 0.1  #: least distance between two places that determines a direction of motion
 
 
 def sensor_sight(scans: ScanSequence, index: int) -> Sight | None:
-    """Return from where the newest of the first ``index`` scans was taken, and in which direction.
+    """Return the place of the newest of the first ``index`` scans, and the sensor's viewing direction there.
 
-    That is the direction of a depth image's optical axis. Of other scans it is not known: it is the direction in which
-    the sensor had come there, or goes from there. None before the first scan, and where neither is known.
+    For depth images this is the direction of the optical axis. For other scans it is unknown, so the direction of
+    motion towards the place, or away from it, is used. Returns None before the first scan, and if neither is known.
     """
     if index == 0:
         return None
@@ -25,7 +25,7 @@ def sensor_sight(scans: ScanSequence, index: int) -> Sight | None:
         return Sight(_point(pose[:3, 3]), _point(pose[:3, 2]))
     place = scans.origins[index - 1]
     directions = scans.origins - place
-    far = np.flatnonzero(np.linalg.norm(directions, axis=1) >= LEAST_WAY_M)  # a place that is not known is not far: NaN
+    far = np.flatnonzero(np.linalg.norm(directions, axis=1) >= LEAST_WAY_M)  # unknown places (NaN) are not far
     before, after = far[far < index - 1], far[far >= index]
     if len(before):
         direction = -directions[before[-1]]

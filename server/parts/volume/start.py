@@ -1,4 +1,4 @@
-"""Bounds and times of a map in 3D before its first scan; resolution and display options that fit it."""
+"""Bounds and times of a 3D map before its first scan, and a suitable resolution and display options."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from server.parts.volume.message_fields import outside
 
 MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
 RESOLUTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
-POINTS_A_VOXEL = 1.5  #: on average, at least, at the first resolution
-VOXELS_ACROSS = 250  #: that a map has at most along its longest side at the first resolution
+POINTS_A_VOXEL = 1.5  #: least average at the initial resolution
+VOXELS_ACROSS = 250  #: maximum along the longest side of a map at the initial resolution
 UNTIMED_S = 0.5  #: between two scans without times
-OUTLIERS = 1.0  #: per cent of the points at each end of an axis that may lie outside the bounds
-MOST_LOOKED_AT = 500_000  #: points of which the bounds are estimated,
-MOST_COUNTED = 100_000  #: and the first resolution
+OUTLIERS = 1.0  #: percentage of the points at each end of an axis that may be outside the bounds
+MOST_LOOKED_AT = 500_000  #: maximum number of points for estimating the bounds,
+MOST_COUNTED = 100_000  #: and the initial resolution
 
 
 def map_limits(limits: Limits) -> Limits:
-    """Return the limits of a map of a visitor with these: the cells that they may have are voxels here."""
+    """Return the limits of a visitor's 3D map, with the visitor's limit of cells as the limit of voxels."""
     blocks = max(64, limits.max_cells // BLOCK**3)
     return replace(DEFAULT_LIMITS, max_blocks=min(DEFAULT_LIMITS.max_blocks, blocks), max_scan_box=MOST_SCAN_BOX)
 
@@ -38,7 +38,7 @@ def bounds_of(source: ScanSequence | OctreeFile) -> tuple[Float64Array, Float64A
     if isinstance(source, ScanSequence):
         points = source.points[sample_rows(len(source.points), MOST_LOOKED_AT)].astype(np.float64)
         low, high = np.percentile(points, [OUTLIERS, 100.0 - OUTLIERS], axis=0)
-        # Outliers may be anywhere: what is a little outside of most points is not one.
+        # Outliers may be anywhere; points slightly outside of most others are not outliers.
         margin = 0.25 * (high - low) + 1e-6
         return np.maximum(low - margin, points.min(axis=0)), np.minimum(high + margin, points.max(axis=0))
     keys, depths, values = source.tree.leaves()
@@ -55,7 +55,7 @@ def _metres(keys: Int64Array, resolution: float) -> Float64Array:
 
 
 def times_of(source: ScanSequence | OctreeFile) -> Float64Array:
-    """Return when each scan was taken, seconds after the first; in even steps where there are no times."""
+    """Return the time of each scan, seconds after the first; evenly spaced if there are no times."""
     if not isinstance(source, ScanSequence):
         return np.zeros(1)
     stamps = np.maximum.accumulate(source.stamps_ns)
@@ -65,7 +65,7 @@ def times_of(source: ScanSequence | OctreeFile) -> Float64Array:
 
 
 def first_resolution(source: ScanSequence | OctreeFile, low: Float64Array, high: Float64Array) -> float:
-    """Return the finest usual resolution, metres, at which the map is not too large; that of an octree."""
+    """Return the finest usual resolution, metres, at which the map is not too large; for an octree, its own."""
     if not isinstance(source, ScanSequence):
         return source.tree.resolution
     longest, reach = float((high - low).max()), float(np.abs(np.stack([low, high])).max())
@@ -80,7 +80,7 @@ def first_resolution(source: ScanSequence | OctreeFile, low: Float64Array, high:
 
 
 def check_resolution(low: Float64Array, high: Float64Array, resolution: float) -> None:
-    """Raise :class:`ConfigError` for a resolution, metres, at which points within these bounds (3,) are too far out."""
+    """Raise :class:`ConfigError` if points within these bounds (3,) are too far out for a resolution, metres."""
     sides = np.maximum((high - low).astype(np.float64) / resolution, 1.0)
     reach = float(np.abs(np.stack([low, high])).max())
     if reach > CENTRE * resolution or float(sides.max()) > 2 * CENTRE:
@@ -92,7 +92,7 @@ def check_resolution(low: Float64Array, high: Float64Array, resolution: float) -
 
 
 def first_look(low: Float64Array, high: Float64Array, resolution: float) -> Look:
-    """Return a look whose colours are spread over the heights of the map and whose cuts are at its ends."""
+    """Return a look with colours spread over the heights of the map and cuts at its ends."""
     height = max(float(high[2] - low[2]), resolution)
     band = float(np.clip(np.ceil(height / COLOURS / 0.05) * 0.05, 0.05, 10.0))
     bottom, top = (corner[2] for corner in outside(low, high))

@@ -1,4 +1,4 @@
-"""The surface of a session in 3D by truncated signed distances: its parameters, its mesh in chunks, its voxels."""
+"""The surface of a 3D session from truncated signed distances: its parameters, its mesh in chunks, its voxels."""
 
 from __future__ import annotations
 
@@ -37,20 +37,20 @@ if TYPE_CHECKING:
     from server.parts.volume.chosen_voxel import ChosenVoxel
     from server.sessions.hosting import ModelHost
 
-MESH_S = 0.05  #: of meshing chunks, after which the others wait for the next tick
-SENDING_S = 0.1  #: for which other work waits after the mesh has changed: the changed triangles are sent first
-MOST_TRIANGLES = 4_000_000  #: that are drawn
-FINEST_M = 0.02  #: of the voxels at first
+MESH_S = 0.05  #: longest time of meshing chunks; the others wait for the next tick
+SENDING_S = 0.1  #: pause of other work after a change of the mesh, so that the changed triangles are sent first
+MOST_TRIANGLES = 4_000_000  #: maximum number drawn
+FINEST_M = 0.02  #: initial voxel size, at least
 
 
 def height_colors(key: ChunkKey, mesh: ChunkMesh, size: float, low: float, look: Look) -> NDArray[np.uint8]:
-    """Return the colours (n, 3) of a chunk's vertices by their heights; ``low`` is that of the first colour, metres."""
+    """Return the colours (n, 3) of a chunk's vertices by height; ``low`` is the height of the first colour, metres."""
     heights = (CHUNK * key[2] - CENTRE + 0.5 + mesh.places[:, 2] / STEPS) * size
     return ramp_of(heights, low, low + COLOURS * look.band, HEIGHT_RAMP)
 
 
 class VolumeSurface:
-    """The surface of a sequence of scans, None for one that has none; nothing is computed until it is asked for."""
+    """The surface of a sequence of scans, None if there is none. Nothing is computed until it is requested."""
 
     def __init__(
         self, source: MeasuredScans | None, resolution: float, limits: Callable[[], Limits],
@@ -63,19 +63,19 @@ class VolumeSurface:
         self._first = self.config
         self._chunks = SurfaceChunks()
         self._replayed: ReplayedSurface | None = None
-        self._sent_at = 0.0  #: when the mesh should be sent, seconds of :func:`time.monotonic`
+        self._sent_at = 0.0  #: when to send the mesh, seconds of :func:`time.monotonic`
         self.is_busy = False  #: whether an answer about a voxel is being computed
-        #: Of each chunk its mesh, the box that it was cut at, and what is left.
+        #: For each chunk: its mesh, the box by which it was cut, and the result.
         self._shown: dict[ChunkKey, tuple[ChunkMesh, tuple[Corner, Corner], ChunkMesh | None]] = {}
 
     @property
     def is_possible(self) -> bool:
-        """Whether it is known where the sensor was."""
+        """Whether the poses of the sensor are known."""
         return self._source is not None
 
     @property
     def replayed(self) -> ReplayedSurface:
-        """The surface so far. Raises :class:`ConfigError` where none is possible."""
+        """The surface so far. Raises :class:`ConfigError` if none is possible."""
         if self._source is None:
             raise ConfigError(
                 "tsdf.no_origin",
@@ -89,7 +89,7 @@ class VolumeSurface:
 
     @property
     def cells(self) -> int:
-        """Numbers of 4 bytes that it holds."""
+        """Number of 4-byte values that it uses."""
         if self._replayed is None:
             return 0
         triangles = self._chunks.n_triangles
@@ -97,28 +97,28 @@ class VolumeSurface:
 
     @property
     def is_stale(self) -> bool:
-        """Whether chunks are to be meshed again."""
+        """Whether chunks must be meshed again."""
         return self._chunks.pending > 0
 
     def set_values(self, values: Mapping[str, Any]) -> bool:
-        """Use other parameters; return whether the surface has to be made again. Raises :class:`ConfigError`."""
+        """Use other parameters; return whether the surface must be recomputed. Raises :class:`ConfigError`."""
         config = with_values(self.config, values)
         self.replayed  # noqa: B018 - raises where there is none
         return self.use(config)
 
     def use(self, config: TsdfConfig) -> bool:
-        """Use other parameters; return whether the surface has to be made again."""
+        """Use other parameters; return whether the surface must be recomputed."""
         if config == self.config:
             return False
         self.config, self._replayed = config, None
         return True
 
     def set_source(self, source: MeasuredScans) -> None:
-        """Make the surface of other scans, which say where their sensor was."""
+        """Compute the surface of other scans, which include the poses of their sensor."""
         self._source, self._replayed = source, None
 
     def mesh(self) -> None:
-        """Mesh what has changed since the last time, or a part of it."""
+        """Mesh what has changed since the last call, or a part of it."""
         began = time.monotonic()
         now = self.replayed
         if (touched := now.take_touched()) is None or len(touched):
@@ -128,13 +128,13 @@ class VolumeSurface:
 
     @property
     def sending_s(self) -> float:
-        """Seconds that are left for sending the whole mesh; 0 where it is sent, or not whole yet."""
+        """Remaining seconds for sending the whole mesh; 0 if it is sent, or not complete yet."""
         return 0.0 if self.is_stale else max(self._sent_at - time.monotonic(), 0.0)
 
     def file(self, kind: str, index: int, offset: Float64Array | None = None) -> bytes:
         """Return the surface of the first ``index`` scans as ``.ply`` or ``.glb``. Raises :class:`ConfigError`.
 
-        ``offset`` is that of :func:`mapper.volume.mesh.files.ply_bytes`.
+        ``offset`` is passed to :func:`mapper.volume.mesh.files.ply_bytes`.
         """
         now = self.replayed
         now.go_to(index)
@@ -169,7 +169,7 @@ class VolumeSurface:
         )  # fmt: skip
 
     def _cut(self, look: Look) -> dict[ChunkKey, ChunkMesh]:
-        """Return the chunks within the clip box; one that has not changed is the same object."""
+        """Return the chunks within the clip box; an unchanged one is the same object."""
         box = look.low, look.high
         size = self.config.resolution
         before, self._shown = self._shown, {}
@@ -185,7 +185,7 @@ class VolumeSurface:
         return chunks
 
     def message(self) -> SurfaceMessage:
-        """Return the message ``surface``."""
+        """Return the ``surface`` message."""
         now = self._replayed
         return SurfaceMessage(
             table=rows_of(TSDF_PARAMETERS, self._first) if self.is_possible else [],
@@ -202,7 +202,7 @@ class VolumeSurface:
         )
 
     def no_voxel(self) -> SurfaceVoxelMessage:
-        """Return the message ``surface_voxel`` that no voxel is chosen."""
+        """Return the ``surface_voxel`` message for no voxel."""
         return SurfaceVoxelMessage(
             centre=None, size=self.config.resolution, distance=None, weight=0.0, index=0, total=0, updates=[]
         )
@@ -212,7 +212,7 @@ class VolumeSurface:
     def ask(
         self, command: VoxelCommand | VoxelRayCommand, host: ModelHost, chosen: ChosenVoxel, result: TickResult
     ) -> None:
-        """Answer ``voxel`` and ``voxel_ray``: why a voxel of the surface has its distance."""
+        """Answer ``voxel`` and ``voxel_ray``: explain the distance of a voxel of the surface."""
         key = self._key_of(command)
         if key is None:
             chosen.choose(None, 0.0)
@@ -226,7 +226,7 @@ class VolumeSurface:
         finally:
             self.is_busy = False
         centre = centres_of(key[None], size)[0]
-        # A measured distance within a voxel is that of a beam that ended there.
+        # If the measured distance is within a voxel, the beam ended there.
         chosen.choose(centre, size, [(abs(update.measured) <= size, update.origin, centre[None]) for update in updates])
         result.slot(
             SurfaceVoxelMessage(
@@ -251,12 +251,12 @@ class VolumeSurface:
         )
 
     def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
-        """Return where a line of sight meets the surface, metres, and the side of its voxels; None: nowhere."""
+        """Return where a line of sight meets the surface, metres, and the side of its voxels; None if it does not."""
         place = first_surface(self.replayed.volume, np.array(origin), np.array(direction))
         return None if place is None else (rounded_place(place), self.config.resolution)
 
     def _key_of(self, command: VoxelCommand | VoxelRayCommand) -> Int64Array | None:
-        """Return the key of the voxel that is asked about; None for none."""
+        """Return the key of the queried voxel; None if there is none."""
         place: Float64Array | None
         if isinstance(command, VoxelRayCommand):
             place = first_surface(self.replayed.volume, np.array(command.origin), np.array(command.direction))

@@ -1,4 +1,4 @@
-"""Answers why a voxel of a map in 3D is as it is."""
+"""Answers that explain the state of a voxel of a 3D map."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class AskedMap(Protocol):
-    """A map whose voxels are asked about."""
+    """A map whose voxels can be queried."""
 
     @property
     def volume(self) -> OccupancyVolume:
@@ -41,17 +41,17 @@ class AskedMap(Protocol):
 
     @property
     def index(self) -> int:
-        """Number of scans in it."""
+        """Number of scans in the map."""
 
     def placed_scans(self) -> Iterable[PlacedScan]:
-        """Return these scans; none where they are not known."""
+        """Return these scans; none if they are unknown."""
 
 
 class VoxelQuestions:
-    """Answers about voxels; the one that was asked about last is chosen."""
+    """Answers about voxels; the last queried voxel is chosen."""
 
     def __init__(self, host: ModelHost, chosen: ChosenVoxel, scans: ScanSequence | None = None) -> None:
-        """``scans`` are those of the map, whose points are told of as well."""
+        """Create the answers. ``scans`` are those of the map, whose points are described as well."""
         self._host, self._chosen, self._scans = host, chosen, scans
         self.is_busy = False  #: whether an answer is being computed
 
@@ -62,7 +62,7 @@ class VoxelQuestions:
         rule: Callable[[], FaceRule],
         result: TickResult,
     ) -> None:
-        """Answer about a voxel of the map ``now``.
+        """Answer a question about a voxel of the map ``now``.
 
         ``rule`` returns which faces are drawn. Raises :class:`ConfigError` for a place outside of the lattice.
         """
@@ -83,7 +83,7 @@ class VoxelQuestions:
     def _ask(
         self, key: Int64Array | None, now: AskedMap, line: tuple[Float64Array, Float64Array], result: TickResult
     ) -> None:
-        """Answer why a voxel is as it is; None chooses none. ``line`` is where it is looked from (3,), and where to."""
+        """Explain the state of a voxel; None chooses none. ``line`` is the viewpoint (3,) and the direction (3,)."""
         config = now.config
         if key is None:
             self.clear(config.resolution, result)
@@ -118,10 +118,10 @@ class VoxelQuestions:
 def place_met(
     now: AskedMap, rule: FaceRule, line: tuple[Float64Array, Float64Array], scans: ScanSequence | None
 ) -> tuple[Point, float] | None:
-    """Return where a line of sight meets a drawn voxel of the map ``now`` first, metres, and the side of that voxel.
+    """Return where a line of sight first meets a drawn voxel of the map ``now``, metres, and the side of that voxel.
 
-    The line goes from a place (3,) along a direction (3,). With ``scans``, whose points are drawn, it is the point in
-    that voxel that is nearest to the line, and the side is 0. None: it meets none.
+    The line starts at a place (3,) and has a direction (3,). With ``scans``, whose points are drawn, the result is the
+    point in that voxel nearest to the line, and the side is 0. Returns None if the line meets no voxel.
     """
     start, away = line
     key = first_face(now.volume, rule, start, away)
@@ -132,7 +132,7 @@ def place_met(
     point = None if scans is None else point_in(scans, now.index, centre, size, line)
     if point is not None:
         return point.place, 0.0
-    towards = np.where(away == 0.0, np.nan, away)  # a face that the line is parallel to is not met
+    towards = np.where(away == 0.0, np.nan, away)  # a face parallel to the line is not met
     entered = np.nanmax((centre - 0.5 * size * np.sign(away) - start) / towards)
     return rounded_place(start + max(float(entered), 0.0) * away), size
 
@@ -140,9 +140,9 @@ def place_met(
 def point_in(
     scans: ScanSequence, index: int, centre: Float32Array, size: float, line: tuple[Float64Array, Float64Array]
 ) -> VoxelPoint | None:
-    """Return the point of the first ``index`` scans in a voxel that is nearest to a line; None where there is none.
+    """Return the point of the first ``index`` scans in a voxel that is nearest to a line; None if there is none.
 
-    The line goes from a place (3,) along a direction (3,), which is 0 for the place alone.
+    The line starts at a place (3,) and has a direction (3,), which is 0 for the place alone.
     """
     points = scans.points[: scans.starts[index]]
     inside = np.flatnonzero((np.abs(points - centre) <= 0.5 * size).all(axis=1))

@@ -1,1 +1,1 @@
-"""Why a cell is as it is: its state, and the readings that made it so; see :mod:`mapper.mapping.provenance`."""
+"""Why a cell has its state: the state, and the readings that led to it; see :mod:`mapper.mapping.provenance`."""

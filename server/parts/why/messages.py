@@ -1,4 +1,4 @@
-"""The commands about one cell of a map, as the stream has them; the answers may also be shown to a class."""
+"""The stream's commands about one cell of a map; the answers may also be shown to a class."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class InspectCommand(Struct, tag_field="type", tag="inspect"):
 
 
 class WhyCommand(Struct, tag_field="type", tag="why"):
-    """Request the contributions to a cell; answered with `why`. Of several in a tick only the newest is answered."""
+    """Request the contributions to a cell; answered with `why`. Of several in a tick only the last is answered."""
 
     row: Annotated[Whole, Meta(description="row of the cell")]
     col: Annotated[Whole, Meta(description="column of the cell")]

@@ -30,12 +30,12 @@ _log = structlog.get_logger(__name__)
 
 
 def part_of(offers: Offers) -> CellQuestions | None:
-    """Return the part, None where no cell can be asked about."""
+    """Return the part, None if no cell can be explained."""
     return None if offers.explained is None else CellQuestions(offers.explained)
 
 
 class CellQuestions(Part):
-    """Answers questions about cells of the maps that ``maps`` returns; the default map is the first."""
+    """Answers to questions about cells of the maps that ``maps`` returns; the default map is the first."""
 
     commands = (InspectCommand, WhyCommand)
     is_on = False  # it only answers
@@ -46,8 +46,8 @@ class CellQuestions(Part):
     def handle(self, command: InspectCommand | WhyCommand, result: TickResult) -> None:
         """Answer a question.
 
-        Of several "why" of one client in one tick only the newest is answered, from the map at the end of the tick.
-        Raises :class:`ProtocolError`.
+        Of several "why" of one client in a tick only the last is answered, from the map at the end of the tick. Raises
+        :class:`ProtocolError`.
         """
         match command:
             case InspectCommand():
@@ -89,13 +89,13 @@ def _cell_of(command: InspectCommand | WhyCommand, asked: ExplainedMap) -> tuple
     return row, col, epoch
 
 
-MAX_CONTRIBUTIONS = 300  #: described in detail, in one message
-STRETCHES = 300  #: of the curve, each with its minimum and maximum
+MAX_CONTRIBUTIONS = 300  #: maximum number described in detail in one message
+STRETCHES = 300  #: number of sections of the curve, each with its minimum and maximum
 
 
 @dataclass(frozen=True, slots=True)
 class CellAsked:
-    """The cell that is asked about, in the map of ``index`` scans that a layer shows."""
+    """The queried cell, in the map of ``index`` scans that a layer shows."""
 
     row: int
     col: int
@@ -187,7 +187,7 @@ def why_message(
 def _contributions(
     source: MappedScans, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
 ) -> list[Contribution]:
-    """Return the contributions ``inside`` one log; earlier logs have ``n`` contributions and ``first_scan`` scans."""
+    """Return the contributions ``inside`` one log. Earlier logs have ``n`` contributions and ``first_scan`` scans."""
     plan = plan_update(config, source.log.range_min, source.log.range_max)
     scans, beams = part.scans[inside], part.beams[inside]
     poses, angles = sensor_poses_of(source.log, config, source.trajectory, scans, beams)
@@ -243,7 +243,7 @@ def _contributions(
 def thinned(log_odds: NDArray[np.float32]) -> list[tuple[int, float]]:
     """Return (n, log-odds) of at most 2 · :data:`STRETCHES` contributions, n from 1, including the last one.
 
-    Of each stretch the minimum and the maximum are kept, so that no peak is lost.
+    The minimum and the maximum of each section are kept, so that no peak is lost.
     """
     if len(log_odds) <= 2 * STRETCHES:
         rows = np.arange(len(log_odds))

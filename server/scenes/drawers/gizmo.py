@@ -11,9 +11,9 @@ from server.scenes.drawer import Drawer, DrawerContext
 from server.scenes.panel import CONFIRM_TIMEOUT_S
 from server.sessions.drawings import Gizmo, Point, Quaternion
 
-NEAR_M = 1e-3  #: distance, metres, between the model's and the user's position up to which the move is confirmed
+NEAR_M = 1e-3  #: largest distance, metres, between the model's and the user's position that confirms the move
 NEAR_TURN = 1e-3
-#: Width of a gizmo's lines, pixels. At a constant size the place that a pointer takes hold of is 4.5 times as wide.
+#: Width of a gizmo's lines, pixels. At a constant size, the area that a pointer can grab is 4.5 times as wide.
 WORLD_WIDTH, SCREEN_WIDTH = 2.5, 6.0
 
 
@@ -40,7 +40,7 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
             if not confirmed and time.monotonic() < moved_at + CONFIRM_TIMEOUT_S:
                 return
             self._moved_at = None
-            if confirmed:  # a correction of the last digits would move the gizmo during the drag
+            if confirmed:  # correcting the last digits would move the gizmo during the drag
                 return
         node.position, node.wxyz = content.position, content.wxyz
 

@@ -1,4 +1,4 @@
-"""An occupancy grid: a floor and columns. Only tiles that changed are sent again."""
+"""An occupancy grid: a floor and columns. Only changed tiles are sent again."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ class GridColumnsDrawer(Drawer[GridColumns, GridContent]):
             tile.scale = (1.0, 1.0, height)
 
     def met(self, origin: Point, direction: Point) -> Point | None:
-        """Return where a line of sight is in the first column that it meets."""
+        """Return where a line of sight is in the first column that it meets; None if it meets none."""
         shown = self._shown
         if shown is None:
             return None
         x, y, yaw = shown.geometry.origin
-        turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])  # of the frame, in the map
+        turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])  # rotation of the frame in the map
         start, along = np.array(origin, dtype=np.float64), np.array(direction, dtype=np.float64)
         local = np.append((start[:2] - (x, y)) @ turn, start[2]), np.append(along[:2] @ turn, along[2])
         place = first_column(shown.levels, self._height, *local)
@@ -100,7 +100,7 @@ class GridColumnsDrawer(Drawer[GridColumns, GridContent]):
             height,
             format="png",
             cast_shadow=False,
-            # viser's images have their first row at the smallest y of their own frame: half a turn about x.
+            # Half a turn about x, because viser's images have their first row at the smallest y of their own frame.
             wxyz=(0.0, 1.0, 0.0, 0.0),
             position=(width / 2, height / 2, FLOOR_Z),
         )

@@ -26,7 +26,7 @@ class ImageDrawer(Drawer[Image, Image]):
                 content.height,
                 format="png",
                 cast_shadow=False,
-                # viser's images have their first row at the smallest y of their own frame: half a turn about x.
+                # Half a turn about x, because viser's images have their first row at the smallest y of their own frame.
                 wxyz=(0.0, 1.0, 0.0, 0.0),
             )
         elif differs(old, content, "pixels"):

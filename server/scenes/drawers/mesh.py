@@ -21,7 +21,7 @@ class MeshDrawer(Drawer[Mesh, Mesh]):
         if not differs(old, content, "vertices", "faces", "color", "opacity", "flat_shading", "two_sided"):
             return
         if len(content.faces):
-            # The node is created again, since its vertices and faces have to arrive together.
+            # The node is created again, because its vertices and faces must arrive together.
             self._node = self.scene.add_mesh_simple(
                 f"{self.path}/mesh",
                 content.vertices,

@@ -9,8 +9,8 @@ from server.sessions.drawings import Points
 class PointsDrawer(Drawer[Points, Points]):
     """Sends points and colours in one message if they changed, otherwise only a changed pose or clip box.
 
-    viser clips nothing: ``static/src/pages/scene.ts`` takes the places of two nodes beside the cloud for the corners of
-    its clip box, and gives viser's client the points in between.
+    viser clips nothing. ``static/src/pages/scene.ts`` reads the corners of the clip box from the positions of two nodes
+    next to the cloud, and passes viser's client the points in between.
     """
 
     def __init__(self, context: DrawerContext, drawing: Points) -> None:
@@ -34,5 +34,5 @@ class PointsDrawer(Drawer[Points, Points]):
             point_size=content.size,
             point_shape="circle",
             point_shading="flat",
-            precision="float32",  # viser's own float16 is 3 cm off at 50 m
+            precision="float32",  # viser's own float16 has an error of 3 cm at 50 m
         )

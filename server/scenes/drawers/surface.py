@@ -29,7 +29,7 @@ class SurfaceDrawer(Drawer[Surface, Surface]):
 
     @property
     def unsettled(self) -> bool:
-        """Whether replaced nodes are still there: the scene is drawn again, and they are removed."""
+        """Whether replaced nodes still exist, which the next redraw removes."""
         return self._nodes.unsettled
 
     def show(self, content: Surface) -> None:
@@ -47,5 +47,5 @@ class SurfaceDrawer(Drawer[Surface, Surface]):
 
 
 def surface_glb(mesh: ChunkMesh, colors: NDArray[np.uint8]) -> bytes:
-    """Return a chunk's triangles as a GLB file, in steps of its places; ``colors`` (n, 3) are those of its vertices."""
+    """Return a chunk's triangles as a GLB file with integer positions; ``colors`` (n, 3) are those of its vertices."""
     return glb_bytes(mesh.places, shaded(colors, mesh.normals, _LIGHT), mesh.triangles)

@@ -9,7 +9,7 @@ from server.scenes.shapes import Mesh, boxes, extruded
 from server.sessions.drawings import Walls
 
 SOLID = (150, 160, 178)
-WALL_HEIGHT = 0.16  #: metres; lower than the columns of a map, so that these stay visible
+WALL_HEIGHT = 0.16  #: metres; lower than the columns of a map, so that they remain visible
 BORDER_WIDTH = 0.06  #: metres; also how far the border goes below the floor
 
 
@@ -21,8 +21,8 @@ class WallsDrawer(Drawer[Walls, Walls]):
     def show(self, content: Walls) -> None:
         """Draw the walls and the border.
 
-        There is no ground in a colour of its own: one scene serves light and dark pages, and the page's own background
-        suits both.
+        The ground has no colour, because one scene serves light and dark pages, and the page's own background suits
+        both.
         """
         old, self._shown = self._shown, content
         if old is None or old.solids is not content.solids:
@@ -34,7 +34,7 @@ class WallsDrawer(Drawer[Walls, Walls]):
 
 
 def border(bounds: tuple[float, float, float, float]) -> Mesh:
-    """Return a frame around ``bounds`` (x0, y0, x1, y1), metres, that lies outside them and reaches up to the floor."""
+    """Return a frame around ``bounds`` (x0, y0, x1, y1), metres, outside of them and up to the floor."""
     x0, y0, x1, y1 = bounds
     width = BORDER_WIDTH
     sides = [

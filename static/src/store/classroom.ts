@@ -1,6 +1,6 @@
 /**
- * The connection of a page to a class: of the lecturer, who shows what the page shows, or of a follower. A page follows
- * a class if its address is `/class/CODE/…`; the lecturer's browser remembers the code of the class that is open.
+ * The connection of a page to a class: of the lecturer, who controls what is shown, or of a follower. A page follows a
+ * class if its address is `/class/CODE/…`; the lecturer's browser stores the code of the open class.
  */
 
 import { batch, computed, signal } from "@preact/signals";
@@ -23,7 +23,7 @@ import { openSocket } from "./openSocket";
 const KEY = "gridbloom.class";
 const FIRST_WAIT_MS = 200;
 const LONGEST_WAIT_MS = 1500;
-/** The service closes the socket of a class that has ended, or that one cannot join, with these codes. */
+/** The close codes of the socket for a class that has ended, or that cannot be joined. */
 const OVER: readonly number[] = [4404, 4410];
 
 /** The code of the class that this page follows; null for none. */
@@ -33,11 +33,11 @@ export class Classroom {
   readonly code: string;
   readonly isFollowed: boolean;
   readonly state = signal<ClassState | null>(null);
-  /** The question of which this page of the lecturer's shows the answers before the reveal; null for none. */
+  /** The question whose answers this page of the lecturer shows before the reveal; null for none. */
   readonly lookedAt = signal<number | null>(null);
   /**
-   * The question that is asked, as this page shows it. The lecturer's screen is projected: before the reveal it shows
-   * how often each answer was given only if the lecturer wants to see it, and never the right one.
+   * The current question as shown on this page. The lecturer's screen is projected, so before the reveal it shows the
+   * counts only if the lecturer requests it, and never the right answer.
    */
   readonly question = computed(() => {
     const asked = this.state.value?.question ?? null;
@@ -50,15 +50,15 @@ export class Classroom {
   readonly isConnected = signal(false);
   /** Whether the class is over, or cannot be joined. */
   readonly isOver = signal(false);
-  /** Whether the server is newer than this page, which must be reloaded. */
+  /** Whether the server is newer than this page, which must then be reloaded. */
   readonly isOutdated = signal(false);
   /** Why the last command was refused. */
   readonly refused = signal<string | null>(null);
-  /** What this follower has answered to the question that is asked. */
+  /** This follower's answer to the current question. */
   readonly answer = signal<{ readonly question: number; readonly value: number } | null>(null);
-  /** Whether this follower asks for the robot. */
+  /** Whether this follower requests the robot. */
   readonly asksForRobot = signal(false);
-  /** The session of one's own in which a follower tries things out; null while the lecturer is followed. */
+  /** The follower's own session for experiments; null while the lecturer is followed. */
   readonly own = signal<string | null>(null);
   /** Whether the page shows what the lecturer shows. */
   readonly isFollowing = computed(() => this.isFollowed && this.own.value === null && !this.isOver.value);
@@ -70,9 +70,9 @@ export class Classroom {
   #socket: WebSocket | null = null;
   #failures = 0;
   #timer: ReturnType<typeof setTimeout> | undefined;
-  /** Whether no state has come since the last welcome. */
+  /** Whether no state was received since the last welcome. */
   #isJoining = false;
-  /** Commands of the lecturer that say what is shown now: sent again after a reconnect. */
+  /** Commands of the lecturer about what is currently shown. They are sent again after a reconnect. */
   readonly #last = new Map<ClassCommand["type"], ClassCommand>();
 
   constructor(code: string, isFollowed: boolean) {
@@ -84,22 +84,22 @@ export class Classroom {
   }
 
   /**
-   * Send a command; `show` and `explain` are sent when there is a connection again, others not. {@link give} and
-   * {@link raise} see to it that the service has the answer and the raised hand after a reconnect.
+   * Send a command. `show` and `explain` are sent once there is a connection again, other commands are dropped.
+   * {@link give} and {@link raise} ensure that the service has the answer and the raised hand after a reconnect.
    */
   send(command: ClassCommand): void {
     if (command.type === "show" || command.type === "explain") this.#last.set(command.type, command);
     if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(command));
   }
 
-  /** Answer a question, the one that is asked if no other is named. */
+  /** Answer a question, by default the current one. */
   give(value: number, question = this.state.peek()?.question?.id): void {
     if (question === undefined) return;
     this.answer.value = { question, value };
     this.send({ type: "answer", question, value });
   }
 
-  /** Ask for the robot, or do so no longer. */
+  /** Request the robot, or withdraw the request. */
   raise(value: boolean): void {
     this.asksForRobot.value = value;
     this.send({ type: "raise", value });
@@ -175,16 +175,16 @@ export class Classroom {
     }
   }
 
-  /** Show the answer that is counted, after one that came too late. */
+  /** Show the counted answer, after one that came too late. */
   #takeCounted(counted: number | null): void {
     const question = this.answer.peek()?.question;
     if (question !== undefined) this.answer.value = counted === null ? null : { question, value: counted };
   }
 
   /**
-   * Bring the answer of this page and that of the service together. `known` is the answer that the service has, null
-   * for none, after the page has joined, and undefined otherwise. A socket may break without a sign, so that an answer
-   * that was sent did not arrive: it is sent again as long as answers are taken.
+   * Synchronize the answer of this page with the service. `known` is the service's answer after the page has joined,
+   * null for none, and otherwise undefined. A socket may break unnoticed, so that a sent answer did not arrive; it is
+   * sent again as long as answers are accepted.
    */
   #takeAnswer(asked: ClassQuestion | null, known: number | null | undefined): void {
     if (!asked) return;
@@ -197,7 +197,7 @@ export class Classroom {
   }
 }
 
-/** What the browser remembers; null if it forbids that. */
+/** The browser's storage; null if it is forbidden. */
 function storage(): Storage | null {
   try {
     return localStorage;
@@ -209,13 +209,13 @@ function storage(): Storage | null {
 /** The class that this page belongs to; null for none. */
 export const classroom = signal<Classroom | null>(null);
 
-/** Whether this window is one that a lecturer shows: neither a picture of a slide nor the speaker's window. */
+/** Whether this is a window that a lecturer shows: neither a picture of a slide nor the speaker's window. */
 const isShown = parent === window && !new URLSearchParams(location.search).has("speaker");
 const remembered = followedCode === null && isShown ? storage()?.getItem(KEY) : null;
 if (followedCode !== null) classroom.value = new Classroom(followedCode, true);
 else if (remembered) void reopen();
 
-/** What the service says of the lecturer's own class, for the screen with its code. */
+/** The service's information about the lecturer's own class, for the screen with its code. */
 export const openClass = signal<OpenClassAnswer | null>(null);
 
 function begin(opened: OpenClassAnswer): void {
@@ -237,7 +237,7 @@ async function reopen(): Promise<void> {
   }
 }
 
-/** Open a class, as its lecturer. Throws the service's refusal. */
+/** Open a class as its lecturer. Throws the service's refusal. */
 export async function openOne(): Promise<void> {
   begin(await ask("POST /api/classes", {}));
 }
@@ -259,13 +259,13 @@ export async function endClass(): Promise<void> {
 
 // --- questions of figures --------------------------------------------------------------------------------------------
 
-/** The text of a question that the page itself shows: the class's line does not show it as well. */
+/** The text of a question that the page itself shows, so that the class's line does not show it too. */
 export const questionOnPage = signal<string | null>(null);
 
-/** The text of a question that is the heading of the page: the class's line does not repeat it. */
+/** The text of a question that is the page's heading, so that the class's line does not repeat it. */
 export const questionInHeading = signal<string | null>(null);
 
-/** Say that the page shows a question and, once they may be seen, its answers, until the returned function is called. */
+/** Declare that the page shows a question and, once visible, its answers, until the returned function is called. */
 export function showsAnswers(text: string): () => void {
   questionOnPage.value = text;
   return () => {
@@ -273,13 +273,13 @@ export function showsAnswers(text: string): () => void {
   };
 }
 
-/** The question with this text as this page shows it, if it is the one that is asked. */
+/** The question with this text as shown on this page, if it is the current one. */
 export function askedAs(text: string): ClassQuestion | null {
   const asked = classroom.value?.question.value ?? null;
   return asked?.text === text ? asked : null;
 }
 
-/** The class of which this page is the lecturer's; null for none. */
+/** The class whose lecturer uses this page; null for none. */
 export const lecturersClass = computed(() => {
   const room = classroom.value;
   return room && !room.isFollowed ? room : null;

@@ -20,7 +20,7 @@ async function isGone(path: string): Promise<boolean> {
   try {
     return (await fetch(path)).status === 404;
   } catch {
-    return false; // the server does not answer: nothing is known about the session
+    return false; // the server does not answer, so nothing is known about the session
   }
 }
 
@@ -34,16 +34,16 @@ export function connect(session: string): Connection {
   );
 }
 
-/** Commands that a follower of a class may send: they change nothing. */
+/** Commands that a follower of a class may send, because they change nothing. */
 const HARMLESS: readonly Command["type"][] = ["ack", "resume", "subscribe", "ping", "inspect"];
 const DRIVING: readonly Command["type"][] = ["drive", "teleport", "auto"];
 
-/** Prepare a connection to the session that the lecturer of a class shows. Only who `drives` it can control it. */
+/** Prepare a connection to the session that the lecturer of a class shows. Only with `drives` can it be controlled. */
 export function connectToClass(code: string, drives: () => boolean): Connection {
   const path = addressOf("GET /api/classes/{code}", { code });
   return connection(
     () => `${path}/session`,
-    () => isGone(path), // a session that ended is one that the class no longer shows
+    () => isGone(path), // a session that has ended is no longer shown by the class
     ({ type }) => HARMLESS.includes(type) || (DRIVING.includes(type) && drives()),
   );
 }

@@ -62,7 +62,7 @@ export class DisplayedMap {
     } else {
       for (const tile of frame.tiles) {
         try {
-          // Without an output buffer: given one, fzstd allocates a tiny array whose buffer costs a browser more than the tile.
+          // Without an output buffer; with one, fzstd allocates a tiny array whose buffer costs more than the tile.
           picture.cells.setTile(tile.tx, tile.ty, decompress(tile.data), undecided, onChange);
         } catch (error) {
           throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);

@@ -1,4 +1,4 @@
-/** The selected tool that edits the world, and what it is about to change. */
+/** The selected tool for editing the world, and the edit in progress. */
 
 import { signal } from "@preact/signals";
 import type { DrawnSolid, Edits, Point } from "../wire/protocol";
@@ -9,7 +9,7 @@ export const NO_EDITS: Edits = { added: [], erased: [] };
 
 /** The selected tool, and the shape that it is drawing. */
 export class Editing {
-  /** Null if no edit is wanted: a click then places the robot. */
+  /** Null without a tool; a click then places the robot. */
   readonly tool = signal<Tool | null>(null);
   /** The shape of the current stroke. */
   readonly sketch = signal<DrawnSolid | null>(null);

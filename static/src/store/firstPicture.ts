@@ -1,14 +1,14 @@
-/** The picture of a new world that the pages show until the server answers. */
+/** The initial picture of a new world, shown until the server answers. */
 
 import { decodeFrame } from "../wire/decodeFrame";
 import type { ServerMessage } from "../wire/protocol";
 import FIRST from "./firstPicture.json";
 import { Store } from "./store";
 
-/** Seed of the worlds that the pages begin: what a session with it sends first is recorded. */
+/** Seed of the worlds that the pages begin. The first messages of a session with this seed are recorded. */
 export const FIRST_SEED = FIRST.seed;
 
-/** A store that has received what a new world with {@link FIRST_SEED} sends first, and that sends nothing. */
+/** A store that has received the first messages of a new world with {@link FIRST_SEED}, and that sends nothing. */
 export function firstPicture(): Store {
   const store = new Store(() => false);
   for (const message of FIRST.messages) store.receive(message as unknown as ServerMessage);

@@ -3,12 +3,12 @@
 import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Command } from "../wire/protocol";
 
-/** Changes with the same key that follow each other within this time are merged, as those of a slider or a dragged robot. */
+/** Changes with the same key within this time are merged, such as those of a slider or a dragged robot. */
 const MERGE_MS = 700;
 const MOST = 200;
 
 interface Change {
-  /** Names what was changed: changes with the same key in quick succession are merged. */
+  /** Identifies what was changed; changes with the same key in quick succession are merged. */
   readonly key: string;
   readonly undo: readonly Command[];
   readonly redo: readonly Command[];

@@ -8,10 +8,10 @@ import { DisplayedMap } from "./displayedMap";
 
 /** The map of a session: its first layer, which is sent by default. */
 export const MAP = "map";
-/** The map beside it, where a session compares. */
+/** The other map of a session that compares two. */
 export const SECOND_MAP = "second_map";
 
-/** What a map holds under a name, made where it holds nothing. */
+/** The value of a map for a name, created if it is missing. */
 function kept<T>(map: Map<string, T>, name: string, make: () => T): T {
   const known = map.get(name);
   if (known !== undefined) return known;
@@ -24,7 +24,7 @@ export class Layers {
   readonly #infos = signal<readonly LayerInfo[]>([]);
   /** The layers that the session has, in its order. */
   readonly infos: ReadonlySignal<readonly LayerInfo[]> = this.#infos;
-  /** What there is of layers that are no grids, in the session's order. */
+  /** The contents of the layers other than grids, in the session's order. */
   readonly contents: ReadonlySignal<readonly LayerContent[]> = computed(() =>
     this.#infos.value
       .filter(({ kind }) => kind !== "grid")
@@ -41,12 +41,12 @@ export class Layers {
     this.#send = send;
   }
 
-  /** The grid of a layer, whether the session has it now or not. */
+  /** The grid of a layer, whether or not the session currently has it. */
   grid(name: string): DisplayedMap {
     return kept(this.#grids, name, () => new DisplayedMap());
   }
 
-  /** The points, path or graph of a layer; null while there is none. */
+  /** The points, path or graph of a layer; null if there are none. */
   content(name: string): ReadonlySignal<LayerContent | null> {
     return this.#content(name);
   }
@@ -55,7 +55,7 @@ export class Layers {
     return kept(this.#contents, name, () => signal(null));
   }
 
-  /** Subscribe to a layer, which the session may not have yet; the result unsubscribes, and the last one clears the layer. */
+  /** Subscribe to a layer, which may not exist yet. The result unsubscribes; the last one clears the layer. */
   subscribe(name: string): () => void {
     const count = this.#watchers.get(name) ?? 0;
     this.#watchers.set(name, count + 1);
@@ -96,7 +96,7 @@ export class Layers {
     const before = this.#infos.peek();
     batch(() => {
       this.#infos.value = infos;
-      // A layer that was removed or created again is cleared, except a grid: it stays until its successor is complete.
+      // A layer that was removed or created again is cleared. A grid is kept until its successor is complete.
       for (const { name, id, kind } of before)
         if (kind !== "grid" && !infos.some((info) => info.id === id)) this.#content(name).value = null;
     });
@@ -126,7 +126,7 @@ export class Layers {
     });
   }
 
-  /** Forget what was received; the displayed maps stay until newer ones are complete. */
+  /** Discard what was received. The displayed maps are kept until newer ones are complete. */
   forget(): void {
     for (const grid of this.#grids.values()) grid.forget();
   }

@@ -2,8 +2,8 @@
 export const CONNECT_MS = 20_000;
 
 /**
- * Open a WebSocket; one that the server has not accepted after {@link CONNECT_MS} is closed, so that its owner tries
- * again. A browser waits longer for an answer that was lost: Chromium 240 s.
+ * Open a WebSocket. If the server has not accepted it after {@link CONNECT_MS}, it is closed, so that its owner tries
+ * again. A browser would wait longer for a lost answer: Chromium 240 s.
  */
 export function openSocket(url: string, protocol: string): WebSocket {
   const socket = new WebSocket(url, protocol);

@@ -16,10 +16,11 @@ const isSame = (a: Values, b: Values): boolean => {
 };
 
 /**
- * Values that the server owns and the user changes. A value that is set locally is displayed at once, and older messages
- * of a slow server do not overwrite it: they contain a value that was set here before, or the one before that. The server
- * confirms values in the order in which they were set, but may skip some: of several waiting values it uses the newest. A
- * value that was not set here is a change by the server, which is displayed at once; so is a refusal.
+ * Values that the server owns and the user changes. A value that is set locally is displayed at once, and older
+ * messages of a slow server do not overwrite it: they contain a value that was set here before, or the one preceding
+ * it. The server confirms values in the order in which they were set, but may skip some, because it uses only the
+ * newest of several waiting values. A value that was not set here is a change by the server, which is displayed at
+ * once; so is a refusal.
  */
 export class Optimistic {
   readonly values: ReadonlySignal<Values>;
@@ -33,7 +34,7 @@ export class Optimistic {
     this.values = computed(() => {
       const values: Record<string, Value> = { ...this.#server.value };
       for (const [name, { value }] of this.#local.value) values[name] = value;
-      // The same object if nothing changed, so that nothing that depends on the values is computed again.
+      // The same object if nothing changed, so that dependent values are not computed again.
       if (!isSame(values, last)) last = values;
       return last;
     });
@@ -61,7 +62,7 @@ export class Optimistic {
     const kept = new Map<string, Local>();
     for (const [name, local] of this.#local.peek()) {
       const received = values[name];
-      // An unchanged value: the message is about another one.
+      // An unchanged value, because the message concerns another one.
       const answered = received === undefined || received === before[name] ? -1 : local.unanswered.indexOf(received);
       if (answered < 0 && received !== before[name]) continue;
       const unanswered = local.unanswered.slice(answered + 1);
@@ -74,7 +75,7 @@ export class Optimistic {
     return !isSame(values, before);
   }
 
-  /** Set the server's values at a new connection: local values are kept, and the caller sends them again. */
+  /** Set the server's values at a new connection. Local values are kept, and the caller sends them again. */
   reconnected(values: Values): void {
     this.#server.value = values;
     const kept = [...this.#local.peek()].map(([name, { value }]) => [name, { value, unanswered: [value] }] as const);

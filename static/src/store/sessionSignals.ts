@@ -1,4 +1,4 @@
-/** The signals of a session and of its view, and what is computed from them. */
+/** The signals of a session and of its view, and values computed from them. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Beam, beamAhead, beamToward, mirroredScan } from "../grid/beams";
@@ -31,7 +31,7 @@ import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Optimistic } from "./optimistic";
 
-/** The faults that are on, in the order in which they were switched on, and the parameters before. */
+/** The active faults, in the order in which they were switched on, and the earlier parameters. */
 export interface ActiveFaults {
   readonly on: readonly string[];
   readonly before: Values;
@@ -51,7 +51,7 @@ export interface Step {
   readonly nabla: number | null;
 }
 
-/** A scan that is stepped through: the map does not contain it yet. */
+/** A scan that is stepped through; the map does not contain it yet. */
 export interface Stepping {
   readonly frame: Frame;
   /** The sensor's pose at the scan in the map frame. */
@@ -66,8 +66,8 @@ export interface Stepping {
 }
 
 /**
- * Run a task after the next frame is painted: the user's own change is displayed first, and a server on the same machine
- * takes no time from that frame.
+ * Run a task after the next frame is painted, so that the user's own change is displayed first, and a server on the
+ * same machine takes no time from that frame.
  */
 const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
 
@@ -78,7 +78,7 @@ function joined(before: Command, command: Command): Command {
   return { ...before, ...command, ...(Object.keys(values).length > 0 && { values }) } as Command;
 }
 
-/** Waiting commands: of each kind only the newest is sent, once per animation frame. */
+/** Waiting commands. Of each kind only the newest is sent, once per animation frame. */
 export class Outbox {
   readonly #waiting = new Map<string, Command>();
   readonly #joined = new Set<string>();
@@ -90,14 +90,14 @@ export class Outbox {
     this.#schedule = schedule;
   }
 
-  /** Join the commands of a type: of a change in several fields, such as that of the costmap, the newest of each is sent. */
+  /** Merge the commands of a type field by field, such as those of the costmap: the newest value of each is sent. */
   join(type: string): void {
     this.#joined.add(type);
   }
 
   put(command: Command): void {
     const isFirst = this.#waiting.size === 0;
-    // Of requests about two layers the newest for each is sent.
+    // Of requests about two layers, the newest for each is sent.
     const about = "layer" in command ? ` ${command.layer}` : "";
     const key = command.type + about;
     const before = this.#waiting.get(key);
@@ -123,9 +123,9 @@ class PartState<M extends ServerMessage = ServerMessage> {
   /** Null before the first message. */
   readonly message = signal<M | null>(null);
   readonly values = new Optimistic();
-  /** Whether its layer is laid over the belief. */
+  /** Whether its layer is drawn over the belief. */
   readonly isOver = signal(false);
-  /** Whether the user has ended it: it does not begin by itself then. */
+  /** Whether the user has ended it; it then does not begin automatically. */
   readonly isEnded = signal(false);
 
   take(message: M): void {
@@ -140,7 +140,7 @@ interface Notice {
   readonly message: string;
 }
 
-/** Two scans in the map, m: each at its pose, and the second where a measurement between them puts it. */
+/** Two scans in the map, m: each at its pose, and the second also as placed by a measurement between them. */
 export type ScanPair = Pick<EdgeAnswer, "scans" | "poses" | "points">;
 
 /** The cell of a map at a point; null outside the grid. */
@@ -154,9 +154,9 @@ export function cellIn(map: MapPicture | null, point: Point): Cell | null {
 const newName = (): string =>
   Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
 
-/** What a page knows of a session, and of its view. */
+/** The page's data about a session, and about its view. */
 export class SessionSignals {
-  /** The name by which the server knows the page: its 3D views have it in their addresses. */
+  /** The name by which the server identifies the page; its 3D views have it in their addresses. */
   readonly page = newName();
   readonly hello = signal<Hello | null>(null);
   readonly frame = signal<Frame | null>(null);
@@ -167,7 +167,7 @@ export class SessionSignals {
   protected readonly robot: Optimistic;
   protected readonly hasRobot = signal(false);
 
-  /** Parts of the frame that change rarely: components that show only these are not rendered 30 times a second. */
+  /** Parts of the frame that change rarely. Components that show only these are not rendered 30 times a second. */
   readonly isReady = computed(() => this.frame.value !== null);
   readonly playing = computed(() => this.frame.value?.playing ?? true);
   readonly speed = computed(() => this.frame.value?.speed ?? 1);
@@ -187,11 +187,11 @@ export class SessionSignals {
 
   /** The view of all pictures; null until their size and the world are known. */
   readonly view = signal<View | null>(null);
-  /** Whether the user moved the view: it then no longer follows the growth of the map. */
+  /** Whether the user moved the view, which then no longer follows the growth of the map. */
   readonly viewHeld = signal(false);
-  /** The box around the observed cells, which everything is fitted to in place of the grid; null for the grid. */
+  /** The box around the observed cells, to which the view is fitted instead of the grid; null for the grid. */
   readonly observed = signal<Bounds | null>(null);
-  /** The sizes of all pictures that show the view: a view of everything must fit into the smallest. */
+  /** The sizes of all pictures of the view. A view of everything must fit into the smallest. */
   readonly pictures = new Map<object, Size>();
   /** The pointer's position in the world, in any picture. */
   readonly pointer = signal<Point | null>(null);
@@ -228,9 +228,9 @@ export class SessionSignals {
   readonly explainedMap: ReadonlySignal<MapPicture | null>;
   /** The contribution of the selected update; null if the answer does not contain it. */
   readonly selectedContribution: ReadonlySignal<Contribution | null>;
-  /** The sensor's pose at the newest scan as the map uses it: the given mount with its correction from the parameters. */
+  /** The sensor's pose at the newest scan in the map: the stated mount with its correction from the parameters. */
   readonly beliefPose: ReadonlySignal<Pose | null>;
-  /** The newest scan as the map uses it: mirrored if the mount is set to upside down. */
+  /** The newest scan as used in the map: mirrored if the mount is set to upside down. */
   readonly beliefFrame: ReadonlySignal<Frame | null>;
   /** The beam towards the inspected point; without one the beam straight ahead. */
   readonly inspectedBeam: ReadonlySignal<Beam | null>;
@@ -239,15 +239,15 @@ export class SessionSignals {
 
   /** The robot's faults; null if there is no robot. */
   readonly faults: ReadonlySignal<Values | null>;
-  /** In what the second map differs; null if there is none. */
+  /** The differences of the second map; null if there is none. */
   readonly compared = signal<Compared | null>(null);
   /** The second map while the page is subscribed to it. */
   readonly second = signal<DisplayedMap | null>(null);
   /** The layer displayed at a point, if the page shows two maps in one picture. */
   mapAt: ((point: Point) => string) | null = null;
-  /** The grid layer that the belief shows in place of the map; null for the map. */
+  /** The grid layer that the belief shows instead of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
-  /** Where a visitor says that the robot is in a map that it is to be localized in. */
+  /** The visitor's estimate of the robot's pose in a map in which it will be localized. */
   readonly givenPose = signal<Pose | null>(null);
 
   /** The scan that is stepped through cell by cell; null for none. */
@@ -255,7 +255,7 @@ export class SessionSignals {
   /** The selected editing tool. */
   readonly editing = new Editing();
 
-  /** What is known of the parts of the session, by the type of their messages. */
+  /** The data about the parts of the session, by the type of their messages. */
   protected readonly parts = new Map<string, PartState>();
   /** The layers of the session. */
   readonly layers: Layers;
@@ -275,7 +275,7 @@ export class SessionSignals {
     this.sensor = new Optimistic();
     this.robot = new Optimistic();
     this.faults = computed(() => (this.hasRobot.value ? this.robot.values.value : null));
-    // A signal for each parameter of the mount, so that the pictures are not repainted for the others.
+    // A signal for each parameter of the mount, so that the pictures are not repainted for other parameters.
     const mount = (name: string) => computed(() => Number(this.mapping.values.value[name] ?? 0));
     const [mountX, mountY, mountYaw] = [mount("mount_x"), mount("mount_y"), mount("mount_yaw")];
     const isUpsideDown = computed(() => this.mapping.values.value.mount_upside_down === true);
@@ -329,7 +329,7 @@ export class SessionSignals {
     });
   }
 
-  /** The state of the part whose messages have a type, and its commands with values the same. */
+  /** The state of the part whose messages have a type. Its commands with values have the same type. */
   part<T extends ServerMessage["type"]>(type: T): PartState<Extract<ServerMessage, { type: T }>> {
     const part = this.parts.get(type) ?? new PartState();
     this.parts.set(type, part);

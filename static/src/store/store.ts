@@ -1,4 +1,4 @@
-/** The store of a page that displays a session: every component reads and changes it, and none depends on another. */
+/** The store of a page that displays a session. Every component reads and changes it, and none depends on another. */
 
 import { batch, signal } from "@preact/signals";
 import { boxAround, type Cell } from "../grid/lattice";
@@ -34,7 +34,7 @@ class SessionState extends SessionSignals implements Receiver {
     if (widest) this.view.value = widest;
   }
 
-  /** Fit the pictures to the cells observed so far, once the map is received completely: a grid is of whole tiles. */
+  /** Fit the pictures to the observed cells, once the map is received, because a grid consists of whole tiles. */
   fitObserved(): void {
     const map = this.map.peek();
     const box = this.shown.complete?.epoch === map?.geometry.epoch ? map?.cells.observedBox() : null;
@@ -54,7 +54,7 @@ class SessionState extends SessionSignals implements Receiver {
     this.send({ type: this.frame.peek()?.playing ? "pause" : "play" });
   }
 
-  /** Show the map after this number of scans, and stay there: a log that plays would go on from it. */
+  /** Show the map after this number of scans, paused, because a playing log would continue. */
   goTo(index: number): void {
     this.send({ type: "pause" });
     this.send({ type: "seek", index });
@@ -66,7 +66,7 @@ class SessionState extends SessionSignals implements Receiver {
     this.transmit(command);
   }
 
-  /** Join the waiting commands of a type, as {@link Outbox.join}. */
+  /** Merge the waiting commands of a type, see {@link Outbox.join}. */
   joins(type: Command["type"]): void {
     this.outbox.join(type);
   }
@@ -160,7 +160,7 @@ class SessionState extends SessionSignals implements Receiver {
         this.notice.value = { kind: "note", code: message.code, message: message.message };
         return;
       case "error":
-        // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
+        // A request about a map that was replaced meanwhile. It is no user error, and is sent again for the new map.
         if (message.code === "command.epoch") return;
         for (const values of [this.mapping, this.sensor, this.robot]) values.refuse();
         for (const part of this.parts.values()) part.values.refuse();
@@ -226,7 +226,7 @@ class SessionState extends SessionSignals implements Receiver {
 const initialOf = (table: readonly Parameter[]): Values =>
   Object.fromEntries(table.map((row) => [row.name, row.initial]));
 
-/** The parts that have parameters: their messages and their commands have one type, and both have values. */
+/** The parts with parameters: their messages and their commands have the same type, and both have values. */
 type PartType = Extract<ServerMessage, { readonly values: Values }>["type"] &
   Extract<Command, { readonly values?: Values }>["type"];
 
@@ -234,20 +234,20 @@ type PartType = Extract<ServerMessage, { readonly values: Values }>["type"] &
 export class Store extends SessionState {
   /** The user's changes, for undo and redo. */
   readonly history = new History((command) => this.#perform(command));
-  /** The faults that the user has switched on, and the values before. */
+  /** The faults that the user has switched on, and the earlier values. */
   readonly activeFaults = signal<ActiveFaults>(NO_ACTIVE_FAULTS);
 
   readonly #states = new Map<unknown, unknown>();
   readonly #heard = new Map<string, (command: Command) => void>();
 
-  /** The state that a tool keeps beside the messages: made when it is first asked for, and the same from then on. */
+  /** The state that a tool keeps in addition to the messages. It is created on first use, and the same from then on. */
   of<S>(State: new (store: Store) => S): S {
     const state = (this.#states.get(State) as S | undefined) ?? new State(this);
     this.#states.set(State, state);
     return state;
   }
 
-  /** Call `listener` with each change of a type of command, also one that is undone; it is sent soon. */
+  /** Call `listener` with each change of a type of command, including undone ones. The command is sent soon. */
   hears(type: Command["type"], listener: (command: Command) => void): void {
     this.#heard.set(type, listener);
   }
@@ -286,7 +286,7 @@ export class Store extends SessionState {
   teleport(point: Point): void {
     this.teleported.value = { at: performance.now(), point };
     this.#sendTo(point, "teleport");
-    this.outbox.flush(); // a click is not followed by others: send it at once
+    this.outbox.flush(); // a click is not followed by others, so it is sent at once
   }
 
   /** Drag the robot to a point; null when it is released. */
@@ -357,7 +357,7 @@ export class Store extends SessionState {
     return [{ type, values: old }];
   }
 
-  /** Carry out a change of the user, which undo takes back. */
+  /** Carry out a change of the user, which undo reverts. */
   change(key: string, undo: readonly Command[], redo: readonly Command[]): void {
     batch(() => {
       for (const command of redo) this.#perform(command);
@@ -365,7 +365,7 @@ export class Store extends SessionState {
     });
   }
 
-  /** Carry out a command: values are displayed at once, and of frequent commands only the newest is sent. */
+  /** Carry out a command. Values are displayed at once, and of frequent commands only the newest is sent. */
   #perform(command: Command): void {
     if (command.type === "parameters" || command.type === "sensor") {
       const target = command.type === "parameters" ? this.mapping : this.sensor;

@@ -1,6 +1,6 @@
 /**
- * The socket: connects, decodes frames and passes them to the receiver, acknowledges each after the next animation frame,
- * and reconnects. While the page is hidden there is no socket, so that neither side works in vain.
+ * The socket: it connects, decodes frames and passes them to the receiver, acknowledges each after the next animation
+ * frame, and reconnects. While the page is hidden there is no socket, so that neither side works in vain.
  */
 
 import { batch, signal } from "@preact/signals";
@@ -26,7 +26,7 @@ export interface Receiver {
   take(frame: BinaryFrame): void;
   /** The first commands of a new connection: the tiles to resume from, and the subscriptions. */
   opening(): readonly Command[];
-  /** Forget what was received: the next connection starts from the beginning. */
+  /** Discard what was received; the next connection starts from the beginning. */
   forget(): void;
 }
 
@@ -60,7 +60,7 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
 /** Failed attempts after which the page asks whether the session still exists. */
 const DOUBTFUL = 2;
-/** How often the connection is listened to. After a whole interval of silence the server is asked for a `pong`. */
+/** Interval of checking the connection. After an interval without any message the server is asked for a `pong`. */
 const LISTEN_MS = 1000;
 const STALLED = "The server does not answer. What is shown stays; the page continues as soon as it answers.";
 /** Connections with an unreadable frame, after which the page is considered outdated. */
@@ -103,15 +103,15 @@ export class Stream {
   #failures = 0;
   #unreadable = 0;
   #stopped = false;
-  /** Intervals without anything from the server; the first one ends with a ping. */
+  /** Intervals without any message from the server; the first one ends with a ping. */
   #silent = 0;
   #cancelWait: (() => void) | null = null;
   #unwatch: (() => void) | null = null;
   #stopListening: (() => void) | null = null;
 
   /**
-   * `isGone` says whether the session has ended, from the code with which the server closed the socket or by asking the
-   * server; `status` is then "gone" and the stream stops.
+   * `isGone` returns whether the session has ended, from the code with which the server closed the socket or by asking
+   * the server; `status` is then "gone" and the stream stops.
    */
   constructor(
     url: string,
@@ -126,7 +126,7 @@ export class Stream {
   }
 
   start(): void {
-    countSayers(1); // what shows the stream shows its trouble
+    countSayers(1); // what shows the stream also shows its trouble
     this.#unwatch = this.#environment.watch(() => this.#visibilityChanged());
     this.#stopListening = this.#environment.every(() => this.#listen(), LISTEN_MS);
     this.#visibilityChanged();
@@ -160,8 +160,8 @@ export class Stream {
   }
 
   /**
-   * A server that keeps the connection, or does not accept it, and sends nothing has stalled: one interval after a ping
-   * the page says so.
+   * If a server keeps the connection, or does not accept it, and sends nothing, it has stalled. The page reports this
+   * one interval after a ping.
    */
   #listen(): void {
     if (!this.#socket) return;
@@ -207,7 +207,7 @@ export class Stream {
           this.#end("outdated", OUTDATED);
           return;
         }
-        // After an unreadable frame the state is unknown: start from the beginning.
+        // After an unreadable frame the state is unknown, so start from the beginning.
         this.#receiver.forget();
         this.#lost("The server sent something that this page cannot read.");
       }
@@ -253,7 +253,7 @@ export class Stream {
     this.stop();
   }
 
-  /** With a code of `MAYBE_OVER` the page asks at once whether the session still exists, and waits only if it does. */
+  /** With a code of `MAYBE_OVER` the page first asks whether the session still exists, and waits only if it does. */
   #lost(why = "The server does not answer.", code?: number): void {
     this.#disconnect();
     if (this.#stopped || this.#environment.hidden()) return;
@@ -276,7 +276,7 @@ export class Stream {
     }, wait);
   }
 
-  /** Go on if the session still exists, and the page has not connected or been hidden while the server was asked. */
+  /** Continue if the session still exists, and the page has not connected or been hidden while the server was asked. */
   async #unlessGone(goOn: () => void, code?: number): Promise<void> {
     if (await this.#isGone(code)) this.#end("gone", "This session has ended.");
     else if (!this.#stopped && !this.#socket && !this.#environment.hidden()) goOn();

@@ -1,4 +1,4 @@
-/** A part of a session as the pages know it: what it lays and paints over the map, and its groups in the docks. */
+/** A part of a session in the pages: its layers and drawings over the map, and its groups in the docks. */
 
 import type { ComponentChildren } from "preact";
 import type { Layer } from "../render/map/renderer";
@@ -8,13 +8,13 @@ import type { Store } from "../store/store";
 interface Overlay {
   /** The grids over the map. */
   readonly layers?: (store: Store) => readonly Layer[];
-  /** Paint over them. */
+  /** Paint over the layers. */
   readonly paint?: (store: Store, brush: Brush) => void;
   /** Read every signal that both depend on. */
   readonly watch: (store: Store) => void;
 }
 
-/** What a group shows. */
+/** The content of a group. */
 export interface PartView {
   readonly store: Store;
   readonly session: string;
@@ -23,18 +23,18 @@ export interface PartView {
 export interface PartGroup {
   readonly id: string;
   readonly title: string;
-  /** The section of the dock, one that the page has. */
+  /** The section of the dock, which the page must have. */
   readonly section: string;
-  /** What the group is for. */
+  /** The purpose of the group. */
   readonly purpose: string;
-  /** Whether it stays as it is while another group is open. */
+  /** Whether it is kept unchanged while another group is open. */
   readonly keeps?: boolean;
   readonly badge?: (view: PartView) => string | null;
   readonly content: (view: PartView) => ComponentChildren;
 }
 
 export interface PagePart {
-  /** What is said while the session computes for it, by `what` of the message `working`. */
+  /** The text shown while the session computes for it, by `what` of the `working` message. */
   readonly computing?: Readonly<Record<string, string>>;
   readonly overlay?: Overlay;
   /** Its groups in the docks of the lab, of a log, and of a file in 3D. */

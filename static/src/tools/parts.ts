@@ -1,4 +1,4 @@
-/** The parts of sessions in the pages: `NAMES` is the one list that names them, each with `part.tsx` in its folder. */
+/** The parts of sessions in the pages. `NAMES` is the only list that names them, each with `part.tsx` in its folder. */
 
 import type { PagePart, PartGroup } from "./part";
 
@@ -20,13 +20,13 @@ const FOUND = import.meta.glob<PagePart>("./*/part.tsx", { eager: true, import: 
 
 export const PARTS: readonly PagePart[] = NAMES.flatMap((name) => FOUND[`./${name}/part.tsx`] ?? []);
 
-/** What the parts lay and paint over the robot's map, the undermost first. */
+/** The layers and drawings of the parts over the robot's map, from bottom to top. */
 export const OVERLAYS = PARTS.flatMap(({ overlay }) => overlay ?? []);
 
 /** The groups of the parts in a section of a page's dock. */
 export const groupsOfParts = (page: "lab" | "log" | "volume", section: string): readonly PartGroup[] =>
   PARTS.flatMap((part) => part[page] ?? []).filter((group) => group.section === section);
 
-/** What is said while the session computes `what`; undefined where no part computes it. */
+/** The text shown while the session computes `what`; undefined if no part computes it. */
 export const computingText = (what: string): string | undefined =>
   PARTS.map(({ computing }) => computing?.[what]).find((text) => text !== undefined);

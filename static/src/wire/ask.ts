@@ -14,7 +14,7 @@ type Filled<A extends string> = A extends `${infer Begin}{${string}}${infer End}
   ? `${Begin}${string}${Filled<End>}`
   : A;
 
-/** A file of a session, by what follows the session's address. */
+/** A file of a session, by the part of the address that follows the session's. */
 export type SessionFile = Files extends infer F
   ? F extends `GET /api/sessions/{session_id}/${infer Name}`
     ? Filled<Name>
@@ -24,29 +24,29 @@ export type SessionFile = Files extends infer F
 type Named<K extends string> = Readonly<Record<Names<K>, string | number>>;
 
 interface Sent {
-  /** Sent as it is where it is a file, else as JSON. */
+  /** Sent unchanged if it is a file, otherwise as JSON. */
   readonly body?: unknown;
-  /** Ends the request. */
+  /** Cancels the request. */
   readonly ending?: AbortSignal | undefined;
 }
 
 type WithQuery<Q> = object extends Q ? { readonly query?: Q } : { readonly query: Q };
 
-/** What a request takes beside the names in its address. */
+/** The arguments of a request in addition to the names in its address. */
 type Options<K extends string> = Pick<Sent, "ending"> &
   (K extends keyof Queries ? WithQuery<Queries[K]> : unknown) &
   (K extends keyof Bodies ? { readonly body: Bodies[K] } : unknown);
 
-/** {@link Options} as the last argument, which may be left out where the request needs none. */
+/** {@link Options} as the last argument, which may be omitted if the request needs none. */
 type Last<K extends string> = object extends Options<K> ? [options?: Options<K>] : [options: Options<K>];
 
 export const NO_ANSWER = "The server does not answer.";
 
-/** A request that was refused, or that the service did not answer; the message is a sentence for people. */
+/** A request that was refused, or that the service did not answer. The message is a sentence for people. */
 export class RequestError extends Error {
   constructor(
     message: string,
-    /** The status of the answer; null where there was none. */
+    /** The status of the answer; null without one. */
     readonly status: number | null,
   ) {
     super(message);
@@ -56,15 +56,15 @@ export class RequestError extends Error {
 const PASSING: readonly number[] = [408, 425, 429, 502, 503, 504];
 
 /**
- * Whether a request of this status may succeed later: there were too many, there is no room or memory now, the server
- * begins again, or it did not answer (null).
+ * Whether a request with this status may succeed later: there were too many, there is no room or memory now, the server
+ * is restarting, or it did not answer (null).
  */
 export const isPassing = (status: number | null): boolean => status === null || PASSING.includes(status);
 
 /** Whether the same request may succeed later. */
 export const mayPass = (error: unknown): boolean => error instanceof RequestError && isPassing(error.status);
 
-/** What a page says that asks again by itself after an error. */
+/** The message of a page that repeats a failed request automatically. */
 export const whyAgain = (error: unknown): string => `${(error as Error).message} The page tries again by itself.`;
 
 /** The error message in a refusal of the server, or a general one. */
@@ -97,7 +97,7 @@ export async function answerIn<K extends keyof Answers>(response: Response): Pro
   return answers[0];
 }
 
-/** The address of a request, "GET /api/logs/{log_id}", with what it names and a query. */
+/** The address of a request, "GET /api/logs/{log_id}", with its names and a query. */
 export function addressOf<K extends Asked>(
   what: K,
   names: Named<K>,
@@ -120,7 +120,7 @@ export const socketAddress = (path: string): string =>
 export const fileAddress = (session: string, file: SessionFile): string =>
   `${addressOf("GET /api/sessions/{session_id}", { session_id: session })}/${file}`;
 
-/** Send a request to an address that {@link addressOf} has made. Rejects as {@link fetched}. */
+/** Send a request to an address from {@link addressOf}. Rejects like {@link fetched}. */
 function send(what: string, address: string, { body, ending }: Sent): Promise<Response> {
   const isFile = body instanceof Blob;
   return fetched(address, {
@@ -133,19 +133,19 @@ function send(what: string, address: string, { body, ending }: Sent): Promise<Re
   });
 }
 
-/** Send a request to an address that {@link addressOf} has made, and return the answer. Rejects as {@link fetched}. */
+/** Send a request to an address from {@link addressOf}, and return the answer. Rejects like {@link fetched}. */
 export const answerAt = async <K extends keyof Answers>(
   what: K,
   address: string,
   ending?: AbortSignal,
 ): Promise<Answers[K]> => answerIn<K>(await send(what, address, { ending }));
 
-/** Send a request with what its address names, and return the response: a file. Rejects as {@link fetched}. */
+/** Send a request with the names in its address, and return the response: a file. Rejects like {@link fetched}. */
 export function fileOf<K extends Asked>(what: K, names: Named<K>, ...[options]: Last<K>): Promise<Response> {
   const { query, ...sent }: Sent & { readonly query?: never } = options ?? {};
   return send(what, addressOf(what, names, query), sent);
 }
 
-/** Send a request with what its address names, and return the answer. Rejects as {@link fetched}. */
+/** Send a request with the names in its address, and return the answer. Rejects like {@link fetched}. */
 export const ask = async <K extends keyof Answers>(what: K, names: Named<K>, ...last: Last<K>): Promise<Answers[K]> =>
   answerIn<K>(await fileOf(what, names, ...last));

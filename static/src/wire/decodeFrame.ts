@@ -1,4 +1,4 @@
-/** The binary frames of the stream: a header, and a body that the decoder of the frame's kind reads. */
+/** The binary frames of the stream: a header, and a body that is decoded according to the frame's kind. */
 
 import { ProtocolError, TILE } from "./protocol";
 
@@ -7,7 +7,7 @@ const GRAPH_HEADER_BYTES = 8;
 
 interface TableBody {
   readonly kind: "table";
-  /** In the order of the layer's `columns`, all of one length. NaN is no value. */
+  /** In the order of the layer's `columns`, all of the same length. NaN means no value. */
   readonly columns: readonly Float32Array[];
 }
 
@@ -21,7 +21,7 @@ interface GraphBody {
   readonly values: Float32Array;
 }
 
-/** Read the columns of `count` points from the byte `at` on. Throws {@link ProtocolError} for another size of it. */
+/** Read the columns of `count` points from the byte `at` on. Throws {@link ProtocolError} for a wrong size. */
 function decodeTable(view: DataView<ArrayBuffer>, at: number, count: number): TableBody {
   checkSize(view, at + TABLE_HEADER_BYTES);
   const columns = view.getUint16(at, true);
@@ -29,7 +29,7 @@ function decodeTable(view: DataView<ArrayBuffer>, at: number, count: number): Ta
   return { kind: "table", columns: columnsOf(view.buffer, at + TABLE_HEADER_BYTES, columns, count) };
 }
 
-/** Read the `count` nodes and the edges of a graph. Throws as {@link decodeTable}, and for an edge without its nodes. */
+/** Read the `count` nodes and the edges of a graph. Throws like {@link decodeTable}, and for a missing node. */
 function decodeGraph(view: DataView<ArrayBuffer>, at: number, count: number): GraphBody {
   checkSize(view, at + GRAPH_HEADER_BYTES);
   const columns = view.getUint16(at, true);
@@ -53,7 +53,7 @@ function columnsOf(buffer: ArrayBuffer, first: number, columns: number, count: n
   return Array.from({ length: columns }, (_, i) => new Float32Array(buffer, first + 4 * count * i, count));
 }
 
-/** The frame has `first` bytes and then exactly `rest`, or any number of them. */
+/** Check that the frame has `first` bytes followed by exactly `rest`, or by any number. */
 function checkSize(view: DataView, first: number, rest?: number): void {
   const size = view.byteLength;
   if (size < first + (rest ?? 0)) {
@@ -71,20 +71,20 @@ const CHANGES_HEADER_BYTES = 8;
 interface TileChanges {
   readonly tx: number;
   readonly ty: number;
-  /** Of each cell row · 64 + column within the tile. */
+  /** For each cell row · 64 + column within the tile. */
   readonly places: Uint16Array;
-  /** Of each cell its new value, int8. */
+  /** For each cell its new value, int8. */
   readonly values: Uint8Array;
 }
 
 interface ChangesBody {
   readonly kind: "changes";
-  /** Of all these tiles, with the changes. */
+  /** Of all these tiles, after the changes. */
   readonly revision: number;
   readonly tiles: readonly TileChanges[];
 }
 
-/** Read the changes of `count` tiles from the byte `at` on. Throws {@link ProtocolError} for another size of them. */
+/** Read the changes of `count` tiles from the byte `at` on. Throws {@link ProtocolError} for a wrong size. */
 function decodeChanges(view: DataView<ArrayBuffer>, at: number, count: number): ChangesBody {
   const first = at + REVISION_BYTES;
   const places = first + CHANGES_HEADER_BYTES * count;
@@ -123,7 +123,7 @@ interface TilesBody {
   readonly tiles: readonly TilePayload[];
 }
 
-/** Read `count` tiles from the byte `at` on. Throws {@link ProtocolError} for a body that is cut or too long. */
+/** Read `count` tiles from the byte `at` on. Throws {@link ProtocolError} for a body that is truncated or too long. */
 function decodeTiles(view: DataView<ArrayBuffer>, at: number, count: number): TilesBody {
   const size = view.byteLength;
   const tiles: TilePayload[] = [];
@@ -177,7 +177,7 @@ const DECODERS: Readonly<Record<number, Decoder>> = {
   4: decodeChanges,
 };
 
-/** Read a binary frame. Throws {@link ProtocolError} for one that is cut or of an unknown kind. */
+/** Read a binary frame. Throws {@link ProtocolError} for one that is truncated or of an unknown kind. */
 export function decodeFrame(buffer: ArrayBuffer): BinaryFrame {
   const size = buffer.byteLength;
   if (size < HEADER_BYTES) {

@@ -5,8 +5,8 @@ import { CLASS_FIELDS, FIELDS } from "./messages";
 import { type ClassMessage, ProtocolError, type ServerMessage, SUBPROTOCOL } from "./protocol";
 
 /**
- * Read a message of a class. Throws {@link OutdatedPageError} for a type that this page does not know, as the `hello`
- * by which a server of another version asks for a reload, and {@link ProtocolError} for an invalid message.
+ * Read a message of a class. Throws {@link OutdatedPageError} for an unknown type, such as the `hello` with which a
+ * server of another version requests a reload, and {@link ProtocolError} for an invalid message.
  */
 export function decodeClassText(text: string): ClassMessage {
   let message: unknown;
@@ -24,7 +24,7 @@ export function decodeClassText(text: string): ClassMessage {
   return message as ClassMessage;
 }
 
-/** A frame of a server that is newer than this page: the page must be reloaded. */
+/** A frame of a server that is newer than this page, which must be reloaded. */
 export class OutdatedPageError extends ProtocolError {
   constructor(code: string, message: string) {
     super(code, message);
@@ -33,8 +33,8 @@ export class OutdatedPageError extends ProtocolError {
 }
 
 /**
- * Read a text frame. Throws {@link OutdatedPageError} for a type, a session kind or a protocol that this page does not
- * know, and {@link ProtocolError} for an invalid message.
+ * Read a text frame. Throws {@link OutdatedPageError} for an unknown type, session kind or protocol, and
+ * {@link ProtocolError} for an invalid message.
  */
 export function decodeText(text: string): ServerMessage {
   let message: unknown;

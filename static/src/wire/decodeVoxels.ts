@@ -1,4 +1,4 @@
-/** The drawn faces of a chunk of voxels, as server/scenes/voxel_chunk.py sends them; the layout is described there. */
+/** The drawn faces of a chunk of voxels; the layout is described in server/scenes/voxel_chunk.py. */
 
 export const CHUNK = 32;
 const MAGIC = 0x58564247; // "GBVX"
@@ -6,9 +6,9 @@ const HEADER_BYTES = 16;
 
 /** Faces of the voxels x + 32 y + 1024 z of a chunk. */
 export interface VoxelChunk {
-  /** Of each voxel the sides of its faces as bits: −x, +x, −y, +y, −z, +z. */
+  /** For each voxel the sides of its faces as bits: −x, +x, −y, +y, −z, +z. */
   readonly sides: Uint8Array;
-  /** Of each voxel with faces the number of its colour, from 0. */
+  /** For each voxel with faces the number of its colour, from 0. */
   readonly numbers: Uint8Array;
   /** Number of colours. */
   readonly colours: number;
@@ -16,12 +16,12 @@ export interface VoxelChunk {
   readonly table: Uint8Array;
 }
 
-/** Whether the bytes say that they are a chunk of voxels. */
+/** Whether the bytes have the signature of a chunk of voxels. */
 export function isVoxelChunk(data: Uint8Array): boolean {
   return data.length >= HEADER_BYTES && new DataView(data.buffer, data.byteOffset).getUint32(0, true) === MAGIC;
 }
 
-/** Read a chunk of voxels. Throws {@link RangeError} where its parts do not have the lengths that it states. */
+/** Read a chunk of voxels. Throws {@link RangeError} if its parts do not have the stated lengths. */
 export function decodeVoxels(data: Uint8Array): VoxelChunk {
   if (!isVoxelChunk(data)) throw new RangeError("These bytes are not a chunk of voxels.");
   const view = new DataView(data.buffer, data.byteOffset, data.byteLength);

@@ -1,6 +1,6 @@
 // Written by `python -m server.http_types` from the routes of the server: change those.
 
-/** A trajectory that was added, with notes on how it was joined to the scans. */
+/** An added trajectory, with notes on how it was joined to the scans. */
 export interface AddedTrajectory {
   readonly name: string;
   readonly description: string;
@@ -20,8 +20,8 @@ export interface Alignment {
 }
 
 /**
- * What the yaml of an AMCL says: `values` that differ from the first ones. `others` are what does not change where the
- * robot is found; `notes` are on names that AMCL does not have.
+ * The parameters in an AMCL yaml file: the `values` that differ from the defaults. `others` are parameters that do not
+ * affect the poses; `notes` concern names that AMCL does not have.
  */
 export interface AmclParameters {
   readonly values: Readonly<Record<string, boolean | number | string>>;
@@ -31,9 +31,9 @@ export interface AmclParameters {
 }
 
 /**
- * The state of an attempt, which tells no more than the visitor has found. `measures` are those that the repair is
- * judged by, `repair` the share of the repair of the map that was checked last, `best` of the best one, and `enough` of
- * one that solves the puzzle, 0 to 1.
+ * The state of an attempt, limited to what the visitor has found. `measures` determine the score of the repair,
+ * `repair` is the score of the map checked last, `best` of the best one, and `enough` the score that solves the puzzle,
+ * 0 to 1.
  */
 export interface Attempt {
   readonly title: string;
@@ -67,9 +67,9 @@ export interface AttemptAnswer {
 }
 
 /**
- * Where a camera's image has a place on the map's floor. `u` and `v` are shares of the image's width and height from
- * its upper left corner, 0 for a place that is not inside. `where` is null where the recording lacks something for it,
- * which `why` says.
+ * The place of a point of the map's floor in a camera's image. `u` and `v` are fractions of the image's width and
+ * height from its upper left corner, 0 for a point outside. `where` is null if the recording lacks necessary data;
+ * `why` says which.
  */
 export interface CameraAnswer {
   readonly where: "inside" | "outside" | "behind" | null;
@@ -78,7 +78,7 @@ export interface CameraAnswer {
   readonly why: string;
 }
 
-/** A change of a pose graph by hand; what is left out stays. */
+/** A manual change of a pose graph. Omitted fields change nothing. */
 export interface ChangeOfGraph {
   /** Number of a loop to remove. */
   readonly remove?: number | null;
@@ -96,19 +96,19 @@ export interface ChangeOfGraph {
   readonly reset?: boolean;
 }
 
-/** The map that was chosen; null for none. */
+/** The chosen map; null for none. */
 export interface ChosenMap {
   readonly map: MapAnswer | null;
 }
 
-/** A class that one may join, how many are in it, and which page it shows. */
+/** A class that a visitor may join, the number of its members, and the page that it shows. */
 export interface ClassAnswer {
   readonly code: string;
   readonly present: number;
   readonly page: string;
 }
 
-/** Workers that map logs, and how many logs they map at once; `error` says why there are none or fewer. */
+/** Workers that map logs, and their number of concurrent logs; `error` is why there are none or fewer. */
 export interface ClusterState {
   readonly workers: number;
   readonly threads: number;
@@ -127,14 +127,14 @@ export interface ComparedMap {
   readonly topic?: string | null;
 }
 
-/** Places of both trajectories in the frame of the reference, metres, and the errors there. */
+/** Positions of both trajectories in the frame of the reference, metres, and the errors there. */
 export interface ComparedPaths {
   readonly reference: readonly (readonly [number, number])[];
   readonly estimate: readonly (readonly [number, number])[];
   readonly errors_m: readonly number[];
 }
 
-/** The numbers of a comparison, see :class:`mapper.grid.compare.Comparison`; pairs are of A and B. */
+/** The numbers of a comparison, see :class:`mapper.grid.compare.Comparison`. Pairs are (A, B). */
 export interface ComparisonAnswer {
   readonly a: SecondMap | null;
   readonly refused: null;
@@ -150,7 +150,7 @@ export interface ComparisonAnswer {
   readonly max_at: readonly number[] | null;
 }
 
-/** An edge of either kind; `off_m` and `off_deg` are how far the poses are from its measurement. */
+/** An edge of either kind. `off_m` and `off_deg` are the deviations of the poses from its measurement. */
 export interface ConstraintAnswer {
   readonly edge: number;
   readonly scans: readonly [number, number];
@@ -162,7 +162,7 @@ export interface ConstraintAnswer {
   readonly off_deg: number;
 }
 
-/** What the recording holds; `pictures` are the topics with images or clouds, `frames` counts frames. */
+/** The contents of the recording; `pictures` are topics with images or clouds, `frames` a number of frames. */
 export interface ContentsAnswer {
   readonly topics: readonly TopicAnswer[];
   readonly series: readonly PlottedTopic[];
@@ -172,28 +172,26 @@ export interface ContentsAnswer {
   readonly state: "ready";
 }
 
-/** What the recording holds is still being found out: `progress` from 0 to 1. */
+/** The contents of the recording are still being read: `progress` from 0 to 1. */
 export interface ContentsReading {
   readonly progress: number;
   readonly state: "reading";
 }
 
-/** Points that a wrong answer and a hint cost. */
+/** Points deducted for a wrong answer and a hint. */
 export interface Costs {
   readonly wrong: number;
   readonly hint: number;
 }
 
-/** The diagnosis of a log along a trajectory: findings, causes first, and events in the order of their times. */
+/** The diagnosis of a log along a trajectory: findings, causes first, and events by time. */
 export interface DoctorAnswer {
   readonly trajectory: string;
   readonly findings: readonly FindingAnswer[];
   readonly events: readonly LogEvent[];
 }
 
-/**
- * An edge with both of its scans. `score` and `inliers` are those of the match, 0 to 1, null of an edge of odometry.
- */
+/** An edge with both of its scans. `score` and `inliers` are those of the match, 0 to 1; null for an odometry edge. */
 export interface EdgeAnswer {
   readonly edge: number;
   readonly scans: readonly [number, number];
@@ -209,7 +207,7 @@ export interface EdgeAnswer {
   readonly points: ScanPoints;
 }
 
-/** Statistics of the errors of the place and of the heading. */
+/** Statistics of the errors of position and heading. */
 export interface ErrorFigures {
   readonly translation_m: ErrorStatistics;
   readonly rotation_rad: ErrorStatistics;
@@ -236,22 +234,21 @@ export interface ErrorsOverTime {
   readonly rotation_rad: readonly number[];
 }
 
-/** Error of a job that failed: a stable code and one sentence. */
+/** Error of a failed job: a stable code and one sentence. */
 export interface Failure {
   readonly code: string;
   readonly message: string;
 }
 
-/** The numbers that can be plotted of each topic. */
+/** The numbers of each topic that can be plotted. */
 export interface FieldsAnswer {
   readonly topics: readonly TopicFieldsAnswer[];
   readonly state: "ready";
 }
 
 /**
- * How certain the poses of a localization in `map` are along the log, at some of its `scans`. `deviation_m` is that of
- * the place, `entropy` bits, `fit` 0 to 1; `first_converged` is the first scan of all at which the filter had
- * converged.
+ * Uncertainty of a localization in `map` along the log, at some of its `scans`. `deviation_m` is that of the position,
+ * `entropy` is in bits, `fit` 0 to 1. `first_converged` is the first of all scans at which the filter had converged.
  */
 export interface FilterHistory {
   readonly map: MapAnswer;
@@ -266,8 +263,9 @@ export interface FilterHistory {
 }
 
 /**
- * A finding of an examination; `sensor` is empty in a log of one, `possible`: too uncertain for a fact. `sure` is 0 to
- * 1, `scans` are numbers from 0, `seconds` their times, `parameters` values of mapping parameters that would help.
+ * A finding of an examination. `sensor` is empty for a log with one sensor. `possible` marks uncertain findings. `sure`
+ * is 0 to 1, `scans` are numbered from 0, `seconds` are their times, `parameters` are values of mapping parameters that
+ * would help.
  */
 export interface FindingAnswer {
   readonly check: string;
@@ -281,7 +279,7 @@ export interface FindingAnswer {
   readonly seconds: readonly number[];
 }
 
-/** The facts, the elapsed time in `seconds`, and how many `runs` it took. */
+/** The facts, the elapsed time in `seconds`, and the number of `runs`. */
 export interface FleetFacts {
   readonly scans: number;
   readonly beams: number;
@@ -298,7 +296,7 @@ export interface FleetFacts {
   readonly runs: number;
 }
 
-/** What the log doctor found: its `check`, in a `sentence`; `possible` where it may be something else. */
+/** A finding of the log doctor: its `check`, in a `sentence`; `possible` if there may be another cause. */
 export interface FleetFinding {
   readonly check: string;
   readonly sentence: string;
@@ -306,9 +304,9 @@ export interface FleetFinding {
 }
 
 /**
- * A log of the fleet; `fraction` is the share of its job that is done, `facts` what was found out. `options` are those
- * that are not as by default, in words. `has_picture` says whether there is a picture of its map, which the reading of
- * a log draws before the fleet does.
+ * A log of the fleet; `fraction` is the completed share of its job, `facts` are the results. `options` are those that
+ * differ from the defaults, in words. `has_picture` says whether there is a picture of its map, which the reading of a
+ * log draws before the fleet does.
  */
 export interface FleetLog {
   readonly id: string;
@@ -321,7 +319,7 @@ export interface FleetLog {
   readonly options: string;
 }
 
-/** How each log is read and mapped, as by the options of `gridbloom fleet`; metres, radians, seconds. */
+/** How each log is read and mapped, with the options of `gridbloom fleet`; metres, radians, seconds. */
 export interface FleetOptions {
   /** The sensor of each log; null: the one with most scans. */
   readonly topic?: string | null;
@@ -336,7 +334,7 @@ export interface FleetOptions {
   readonly time_offset?: number;
 }
 
-/** Logs to be mapped. */
+/** Logs to map. */
 export interface FleetRequest {
   /** Map the logs again that failed. */
   readonly again?: boolean;
@@ -345,9 +343,9 @@ export interface FleetRequest {
 }
 
 /**
- * How many logs are in which state, and those that have changed since a revision. `whole` says that all are returned:
- * of revision 0, and where a log was forgotten since. `cluster` is null where processes of this machine do it; its
- * address is not told.
+ * The numbers of logs by state, and those that have changed since a revision. `whole` says that all are returned: for
+ * revision 0, and if a log was removed since. `cluster` is null if processes of this machine do the work; its address
+ * is not disclosed.
  */
 export interface FleetState {
   readonly revision: number;
@@ -358,7 +356,7 @@ export interface FleetState {
   readonly logs: readonly FleetLog[];
 }
 
-/** The footprint of a robot: its corners in its frame, metres, and both radii of the padded one, metres. */
+/** The footprint of a robot: its corners in its frame, and both radii of the padded footprint, metres. */
 export interface FootprintAnswer {
   readonly footprint: readonly (readonly [number, number])[];
   readonly inscribed_radius: number;
@@ -372,11 +370,11 @@ export interface FootprintOfCostmap {
 }
 
 /**
- * The transforms between two frames; `age_s` is that of the newest at the moment, null before the first. `offset` x, y,
- * z, metres, and `angles` roll, pitch, yaw, radians (REP 103), are those of the child in the parent at the moment,
- * interpolated between two transforms as tf2 does; after the last they are its, before the first null. `publishers` are
- * nodes, where the recording names them: a ROS 1 bag, or an MCAP file that was made of one. `used` is false for a
- * second parent of the same frame, which is not followed.
+ * The transforms between two frames; `age_s` is that of the latest at the moment, null before the first. `offset` x, y,
+ * z, metres, and `angles` roll, pitch, yaw, radians (REP 103), are the child's pose in the parent at the moment,
+ * interpolated between two transforms as in tf2. After the last transform they are the last one's, before the first
+ * null. `publishers` are nodes, if the recording names them: a ROS 1 bag, or an MCAP file converted from one. `used` is
+ * false for a second parent of the same frame, which is ignored.
  */
 export interface FrameEdgeAnswer {
   readonly topic: string;
@@ -413,7 +411,7 @@ export interface Health {
   readonly status: "alive" | "ready";
 }
 
-/** The history of a simulation: with its world and seed enough to reproduce its recording and its map. */
+/** The history of a simulation. Its world, seed and history reproduce its recording and its map. */
 export interface History {
   /** Initial values of the simulated sensor. */
   readonly sensor?: Readonly<Record<string, boolean | number | string>>;
@@ -439,7 +437,7 @@ export interface History {
   readonly navigation?: readonly (Readonly<Record<string, unknown>>)[];
 }
 
-/** A line that a node logged, `seconds` from the log's first scan; `level` as ROS 2 has them, 10 to 50. */
+/** A line logged by a node, `seconds` from the log's first scan; `level` as in ROS 2, 10 to 50. */
 export interface LineAnswer {
   readonly seconds: number;
   readonly level: number;
@@ -448,15 +446,16 @@ export interface LineAnswer {
   readonly text: string;
 }
 
-/** What nodes logged, ascending in time; `left_out` counts those beyond the limit. */
+/** The lines logged by nodes, ascending in time; `left_out` is the number beyond the limit. */
 export interface LinesAnswer {
   readonly lines: readonly LineAnswer[];
   readonly left_out: number;
 }
 
 /**
- * A link as its owner sees it: the view that it opens, and how many are `watching`. `count` is the number of scans of
- * the log, `index` how many of them the map has; `changed` names the parameters with other values than at first.
+ * A link as seen by its owner: the view that it opens, and the number of visitors `watching`. `count` is the number of
+ * scans of the log, `index` the number of scans in the map. `changed` names the parameters that differ from the initial
+ * ones.
  */
 export interface LinkAnswer {
   readonly token: string;
@@ -476,13 +475,13 @@ export interface LinkList {
   readonly links: readonly LinkAnswer[];
 }
 
-/** `values` that differ from the first ones; `initial_pose` is in the map, x, y (m) and yaw, null: anywhere. */
+/** `values` that differ from the defaults; `initial_pose` is in the map, x, y (m) and yaw, null: anywhere. */
 export interface LocalizationParameters {
   readonly values: Readonly<Record<string, boolean | number | string>>;
   readonly initial_pose: readonly [number, number, number] | null;
 }
 
-/** What localization has made of a log: `trajectory` is its name. */
+/** Result of localizing a log: `trajectory` is the name of the new one. */
 export interface LocalizationResult {
   readonly map_title: string;
   readonly odometry: string;
@@ -498,7 +497,7 @@ export interface LocalizationResult {
   readonly trajectory: string;
 }
 
-/** State of the localization of a log: how many scans have poses, and whether the filter has converged. */
+/** State of the localization of a log: the number of scans with poses, and whether the filter has converged. */
 export interface LocalizationStatus {
   readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
   readonly created_s: number;
@@ -517,10 +516,10 @@ export interface LocalizationStatus {
 }
 
 /**
- * A log as the HTTP interface shows it. Facts are null until the log was read. `reading_s` are seconds since its
- * reading began, null while it is not being read; `tags` are the visitor's own. `costmaps` is how many there are in a
- * recording without scans, `clouds` the number of scans in 3D of a file without planar ones (an octree counts as one)
- * and `points` those in them, or leaves of the octree. `topics` are the streams of messages in the file, its sensors
+ * A log in the HTTP interface. Facts are null until the log has been read. `reading_s` are seconds since its reading
+ * began, null while it is not being read; `tags` are the visitor's own. `costmaps` is their number in a recording
+ * without scans, `clouds` the number of 3D scans in a file without planar ones (an octree counts as one) and `points`
+ * the number of their points, or of leaves of the octree. `topics` are the streams of messages in the file, its sensors
  * first.
  */
 export interface LogAnswer {
@@ -550,7 +549,7 @@ export interface LogAnswer {
   readonly notes: readonly string[];
 }
 
-/** An event of a log: the robot was moved as its wheels did not measure, its clock was set, or nothing recorded. */
+/** An event of a log: the robot was moved without its wheels, its clock was set, or there is a gap in it. */
 export interface LogEvent {
   readonly kind: "pushed" | "slipped" | "lifted" | "clock" | "gap";
   /** begin in recorded time, s */
@@ -587,14 +586,14 @@ export interface LogEvent {
   readonly what: string;
 }
 
-/** The logs of one page of a list, how many were found, and the visitor's tags with the number of logs of each. */
+/** The logs on one page of a list, the number of matching logs, and the visitor's tags with numbers of logs. */
 export interface LogList {
   readonly logs: readonly LogAnswer[];
   readonly total: number;
   readonly tags: Readonly<Record<string, number>>;
 }
 
-/** Part of the map that a picture shows. */
+/** Part of the map shown in a picture. */
 export interface Look {
   /** The place in the middle, metres. */
   readonly x: number;
@@ -609,9 +608,9 @@ export interface Look {
 }
 
 /**
- * A loop of a pose graph: the constraint between two scans that were taken at one place at different times. `residual`
- * is how far the graph's solution is from the measurement, in standard deviations, `weight` what the robust kernel
- * leaves of the loop, 0 to 1, unless it is `locked`.
+ * A loop of a pose graph: the constraint between two scans of one place, recorded at different times. `residual` is the
+ * distance of the graph's solution from the measurement, in standard deviations. `weight` is the factor of the robust
+ * kernel, 0 to 1, unless the loop is `locked`.
  */
 export interface LoopAnswer {
   readonly edge: number;
@@ -621,7 +620,7 @@ export interface LoopAnswer {
   readonly locked: boolean;
 }
 
-/** A puzzle that a visitor made, as that visitor sees it. */
+/** A visitor's puzzle as seen by that visitor. */
 export interface MadePuzzleAnswer {
   readonly token: string;
   readonly address: string;
@@ -631,8 +630,8 @@ export interface MadePuzzleAnswer {
 }
 
 /**
- * The progress of a session that is being created; `what` is null where that is what was asked for. `fraction` is the
- * share that is done, 0 to 1, null if not known.
+ * The progress of a session being created; `what` is null for the request itself. `fraction` is the completed share, 0
+ * to 1, null if unknown.
  */
 export interface MakingAnswer {
   readonly what: string | null;
@@ -641,8 +640,8 @@ export interface MakingAnswer {
 }
 
 /**
- * A map as the HTTP interface shows it: `resolution` metres a cell, `origin` x, y (m) and yaw (rad). `classes` counts
- * the patches of the terrain of a cloud, null of other maps.
+ * A map in the HTTP interface: `resolution` metres per cell, `origin` x, y (m) and yaw (rad). `classes` are the numbers
+ * of terrain patches of a cloud, null for other maps.
  */
 export interface MapAnswer {
   readonly title: string;
@@ -654,7 +653,7 @@ export interface MapAnswer {
   readonly classes: TerrainCounts | null;
 }
 
-/** The map of a log: of the session's own or of another one. */
+/** The map of the session's log or of another one. */
 export interface MapOfLog {
   /** Id of the log, as in /api/logs. */
   readonly log: string;
@@ -689,7 +688,7 @@ export interface Measures {
   readonly entropy: number;
 }
 
-/** What a merge has made: `trajectory` of both logs, and the log of both, its id and its name. */
+/** Result of a merge: `trajectory` of both logs, and the id and the name of the combined log. */
 export interface MergeResult {
   readonly loops: number;
   readonly tried: number;
@@ -716,9 +715,9 @@ export interface MergeStatus {
 }
 
 /**
- * A message of a recording: topic, type, size, and the `fields` by name, as `ros2 topic echo` has them. `seconds` is
- * when it was recorded, from the log's first scan; `stamp_ns` the same since 1970, as text, as JSON's numbers are not
- * exact there. Arrays are cut after their first elements, with a text that says how many follow.
+ * A message of a recording: topic, type, size, and the `fields` by name, as in `ros2 topic echo`. `seconds` is its
+ * recording time from the log's first scan. `stamp_ns` is the same since 1970, as text, because JSON numbers are not
+ * exact enough. Arrays are cut after their first elements, with a text that gives the number of the omitted ones.
  */
 export interface MessageAnswer {
   readonly topic: string;
@@ -729,13 +728,13 @@ export interface MessageAnswer {
   readonly fields: Readonly<Record<string, unknown>>;
 }
 
-/** A cause of a spoiled map, and its name for people. */
+/** A cause of a faulty map, and its displayed name. */
 export interface NamedCause {
   readonly name: string;
   readonly label: string;
 }
 
-/** A link to what a session shows now. */
+/** A link to the current view of a session. */
 export interface NewLink {
   /** What part of the map is seen; all of it where this is left out. */
   readonly look?: Look | null;
@@ -743,7 +742,7 @@ export interface NewLink {
   readonly shown?: Shown | null;
 }
 
-/** A localization of a session's log in the map that was chosen. */
+/** A localization of a session's log in the chosen map. */
 export interface NewLocalization {
   /** Where in the map the robot starts: x, y (m) and yaw (rad); else anywhere. */
   readonly initial_pose?: readonly [number, number, number] | null;
@@ -772,13 +771,13 @@ export interface NewLog {
   readonly cut?: Readonly<Record<string, number>> | null;
 }
 
-/** A map to keep. */
+/** A map to save. */
 export interface NewMap {
   /** Name of the new map. */
   readonly name: string;
 }
 
-/** A note as its author writes it. */
+/** A note as written by its author. */
 export interface NewNote {
   readonly text: string;
   /** Seconds after the log's first scan. */
@@ -793,7 +792,7 @@ export interface NewNote {
   readonly outline?: readonly (readonly [number, number])[] | null;
 }
 
-/** A puzzle of what a session shows now. */
+/** A puzzle from the current state of a session. */
 export interface NewPuzzle {
   /** Fault to add, as in GET; as-it-is: that of the session. */
   readonly fault?: string;
@@ -801,7 +800,7 @@ export interface NewPuzzle {
   readonly title?: string;
 }
 
-/** Sensor of the log that is mapped. */
+/** The sensor of the log to map. */
 export interface NewSensor {
   /** Topic of the sensor; ' + ' between several makes one map of them; null: the log's default. */
   readonly topic?: string | null;
@@ -838,7 +837,7 @@ export interface NewSlam {
   readonly mapping?: Readonly<Record<string, boolean | number | string>> | null;
 }
 
-/** A session that shows a map in 3D: of a cloud, a depth folder, an octree, or the clouds of a recording. */
+/** A session that shows a 3D map of a cloud, a depth folder, an octree, or the clouds of a recording. */
 export interface NewVolume {
   readonly kind: "volume";
   /** Whether the session plays from the start. */
@@ -855,7 +854,7 @@ export interface NewVolume {
   readonly other?: string | null;
 }
 
-/** A note as the HTTP interface shows it, with the fields of its :class:`Pin`; `mine` is the asking visitor's. */
+/** A note in the HTTP interface, with the fields of its :class:`Pin`; `mine` says whether the visitor wrote it. */
 export interface NoteAnswer {
   readonly id: string;
   readonly text: string;
@@ -874,7 +873,7 @@ export interface NoteList {
   readonly notes: readonly NoteAnswer[];
 }
 
-/** A puzzle that comes with the program. */
+/** A puzzle included in the program. */
 export interface OfferedPuzzle {
   readonly name: string;
   readonly level: number;
@@ -882,7 +881,7 @@ export interface OfferedPuzzle {
   readonly story: string;
 }
 
-/** A class as its lecturer sees it: the addresses of its page, of the counted answers, and of its QR code. */
+/** A class as seen by its lecturer: the addresses of its page, of the counted answers, and of its QR code. */
 export interface OpenClassAnswer {
   readonly code: string;
   readonly present: number;
@@ -930,14 +929,14 @@ export interface ParameterTable {
   readonly table: readonly Parameter[];
 }
 
-/** The tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud. */
+/** The tables of mapping parameters, of the simulated sensor's, and of the options for cutting scans from clouds. */
 export interface ParameterTables {
   readonly parameters: readonly Parameter[];
   readonly sensor: readonly Parameter[];
   readonly cut: readonly Parameter[];
 }
 
-/** A topic whose numbers can be plotted. */
+/** A topic with numbers for plots. */
 export interface PlottedTopic {
   readonly topic: string;
   readonly type: string;
@@ -952,8 +951,9 @@ export interface PoseCorrection {
 }
 
 /**
- * The pose graph of a trajectory: its loops, worst first; `tried` counts them with those that were refused. `nodes` and
- * `odometry` are numbers of nodes and of edges of odometry; `changed` says whether it is not as SLAM left it.
+ * The pose graph of a trajectory: its loops, worst first. `tried` is their number including the rejected ones. `nodes`
+ * and `odometry` are the numbers of nodes and of odometry edges. `changed` says whether the graph differs from the
+ * result of SLAM.
  */
 export interface PoseGraphAnswer {
   readonly trajectory: string;
@@ -966,7 +966,7 @@ export interface PoseGraphAnswer {
   readonly changed: boolean;
 }
 
-/** The mean errors of a `trajectory`, and `published` ones on the `benchmark` that the file's name tells. */
+/** The mean errors of a `trajectory`, and `published` ones on the `benchmark` that the file's name states. */
 export interface PoseScore {
   readonly relations: number;
   readonly policy: string;
@@ -978,12 +978,12 @@ export interface PoseScore {
   readonly published: readonly PublishedResult[];
 }
 
-/** The pose graph of the trajectory in use; null where it has none. */
+/** The pose graph of the current trajectory; `graph` is null if it has none. */
 export interface PresentGraph {
   readonly graph: PoseGraphAnswer | null;
 }
 
-/** The history of the filter that made the poses in use; null where they come from no localization. */
+/** The history of the filter that estimated the current poses; `course` is null without localization. */
 export interface PresentHistory {
   readonly course: FilterHistory | null;
 }
@@ -1004,7 +1004,7 @@ export interface PublishedResult {
   readonly count: number | null;
 }
 
-/** Puzzles that come with the program, faults that can be added to a map, and this visitor's own puzzles. */
+/** Puzzles included in the program, faults that can be added to a map, and this visitor's own puzzles. */
 export interface PuzzleList {
   readonly puzzles: readonly OfferedPuzzle[];
   readonly faults: readonly NamedCause[];
@@ -1017,18 +1017,18 @@ export interface PuzzleOfClass {
   readonly puzzle: string;
 }
 
-/** How many logs were queued. */
+/** Number of queued logs. */
 export interface QueuedLogs {
   readonly queued: number;
 }
 
-/** Two maps that are both shown, and why their cells cannot be compared. */
+/** Two maps that are both shown, and the reason why their cells cannot be compared. */
 export interface RefusedComparison {
   readonly a: SecondMap | null;
   readonly refused: string;
 }
 
-/** Those of relative errors over `delta` of a `unit`. */
+/** Statistics of relative errors over `delta` of a `unit`. */
 export interface RelativeFigures {
   readonly translation_m: ErrorStatistics;
   readonly rotation_rad: ErrorStatistics;
@@ -1037,29 +1037,29 @@ export interface RelativeFigures {
   readonly pairs: number;
 }
 
-/** What repairs the map, without the values: names of parameters, and whether it is other poses. */
+/** What repairs the map, without the values: names of parameters, and whether other poses are needed. */
 export interface RepairedWith {
   readonly parameters: readonly string[];
   readonly poses: boolean;
 }
 
 /**
- * The edges that determine the pose of a scan, the greatest residual first. `scan` is that of the node of the graph:
- * the nearest to the one that was asked about.
+ * The edges that determine the pose of a scan, the greatest residual first. `scan` is the scan of the graph's node
+ * nearest to the requested scan.
  */
 export interface ScanConstraints {
   readonly scan: number;
   readonly edges: readonly ConstraintAnswer[];
 }
 
-/** The end points of two scans, metres; `aligned` are those of the later one as a loop's measurement puts it. */
+/** The end points of two scans, metres. `aligned` are those of the later scan, placed by a loop's measurement. */
 export interface ScanPoints {
   readonly i: readonly (readonly [number, number])[];
   readonly j: readonly (readonly [number, number])[];
   readonly aligned: readonly (readonly [number, number])[] | null;
 }
 
-/** The series of a log's scans along a trajectory; `times` are numbers of scans where `axis` is "scan". */
+/** The series of a log's scans along a trajectory. `times` are scan numbers if `axis` is "scan". */
 export interface ScanSeries {
   readonly topic: string;
   readonly type: string;
@@ -1072,8 +1072,8 @@ export interface ScanSeries {
 }
 
 /**
- * A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid. `camera`
- * is the one that the visitor has chosen last; null: none yet.
+ * A 3D view: cameras, visibility of layers, height of the columns, metres between the lines of the grid. `camera` is
+ * the visitor's last choice; null if there is none yet.
  */
 export interface SceneAnswer {
   readonly cameras: readonly ("overview" | "above" | "south" | "west" | "north" | "east" | "follow" | "first person")[];
@@ -1091,10 +1091,10 @@ export interface SceneSettings {
 }
 
 /**
- * How well the later scan of an edge fits the earlier one at the poses around the edge's measurement. `scores` are
- * percent, `size` rows of as many cells of `cell_m` metres from the least y, each at the best of the angles `turn_deg`
- * apart, whose number is in `turn_of`; `by_turn` is the greatest at each angle. `centre` is where the edge puts the
- * scan, `present` its pose in the map.
+ * The match score of an edge's later scan against the earlier one, at poses around the edge's measurement. `scores` are
+ * in percent: `size` rows of `size` cells of `cell_m` metres, from the least y. Each is the best over the angles, which
+ * are `turn_deg` apart; `turn_of` is the index of that angle. `by_turn` is the greatest score at each angle. `centre`
+ * is the later scan's pose according to the edge, `present` its pose in the map.
  */
 export interface ScoreLandscape {
   readonly edge: number;
@@ -1108,7 +1108,7 @@ export interface ScoreLandscape {
   readonly present: readonly [number, number, number];
 }
 
-/** Map A: the parameters in which it differs from the session's, its trajectory, and its log, null for the same. */
+/** Map A: the parameters in which it differs from the session's, its trajectory, and its log (null: the same). */
 export interface SecondMap {
   readonly values: Readonly<Record<string, boolean | number | string>>;
   readonly with_faults: boolean;
@@ -1118,7 +1118,7 @@ export interface SecondMap {
   readonly title: string;
 }
 
-/** The sensor that is mapped, null for the log's default, and how its scans are cut out. */
+/** The mapped sensor, null for the log's default, and the options for cutting its scans. */
 export interface SensorAnswer {
   readonly topic: string | null;
   readonly cut: Readonly<Record<string, number>>;
@@ -1126,7 +1126,7 @@ export interface SensorAnswer {
 
 /**
  * The numbers of a topic's messages, or of a log's scans: `times` in seconds, `samples` before downsampling. `gaps` are
- * the pauses of the recording, from a sample to the next one, in seconds.
+ * pauses of the recording, from one sample to the next, in seconds.
  */
 export interface SeriesAnswer {
   readonly topic: string;
@@ -1169,9 +1169,9 @@ export interface SessionList {
 }
 
 /**
- * A link as everyone who has it sees it; `look` is the visible part of the map, null for all of it. `shown` is what
- * else its sender saw, null of a link that tells nothing of it; `examination` what had been found out about the log,
- * null where it had not been examined.
+ * A link as seen by its receivers; `look` is the visible part of the map, null for all of it. `shown` are other parts
+ * of the page that its sender saw, null if the link does not contain them; `examination` is the diagnosis of the log,
+ * null if it had not been examined.
  */
 export interface SharedAnswer {
   readonly title: string;
@@ -1180,12 +1180,12 @@ export interface SharedAnswer {
   readonly examination: DoctorAnswer | null;
 }
 
-/** The title of a puzzle that a visitor made. */
+/** The title of a visitor's puzzle. */
 export interface SharedPuzzle {
   readonly title: string;
 }
 
-/** What else of the page its sender saw. */
+/** Other parts of the page that its sender saw. */
 export interface Shown {
   /** The open group of controls. */
   readonly group: string | null;
@@ -1209,7 +1209,7 @@ export interface Shown {
   readonly comparison: string | null;
 }
 
-/** From where a 3D view is seen. */
+/** Camera of a 3D view. */
 export interface ShownCamera {
   /** Where it is, metres. */
   readonly position: readonly [number, number, number];
@@ -1217,7 +1217,7 @@ export interface ShownCamera {
   readonly look_at: readonly [number, number, number];
 }
 
-/** A number that is plotted. */
+/** A plotted number. */
 export interface ShownField {
   readonly topic: string;
   /** Its path in the message. */
@@ -1228,7 +1228,7 @@ export interface ShownField {
   readonly window: number;
 }
 
-/** Which lines that nodes logged are listed. */
+/** Filter of the lines logged by nodes. */
 export interface ShownLines {
   /** The least level. */
   readonly least: number;
@@ -1238,7 +1238,7 @@ export interface ShownLines {
   readonly text: string;
 }
 
-/** What is measured on the map or in 3D. */
+/** A measurement on the map or in 3D. */
 export interface ShownMeasure {
   readonly tool: "distance" | "area";
   /** Metres; with a height where they were measured in 3D. */
@@ -1274,7 +1274,7 @@ export interface ShownScene {
   readonly look: Readonly<Record<string, boolean | number | string>>;
 }
 
-/** The history of a simulation, and the world and the seed that it begins with. */
+/** The history of a simulation, with its initial world and seed. */
 export interface SimulationHistory {
   /** Name of the world. */
   readonly world: string;
@@ -1304,7 +1304,7 @@ export interface SimulationHistory {
   readonly navigation: readonly (Readonly<Record<string, unknown>>)[];
 }
 
-/** What SLAM has made of a log: `trajectory` is its name; figures of the map before and after it. */
+/** Result of SLAM for a log: `trajectory` is the name of the new one; figures of the map before and after. */
 export interface SlamResult {
   readonly trajectory: string;
   readonly odometry: string | null;
@@ -1317,7 +1317,7 @@ export interface SlamResult {
   readonly notes: readonly string[];
 }
 
-/** State of SLAM of a log: the `stage` as SLAM names it, how many scans have poses, how many loops have closed. */
+/** State of SLAM for a log: the `stage`, the number of scans with poses, and the number of closed loops. */
 export interface SlamStatus {
   readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
   readonly created_s: number;
@@ -1335,7 +1335,7 @@ export interface SlamStatus {
   readonly loops: number;
 }
 
-/** The answer to a puzzle: its cause, what a `lesson`'s `section` says of it, and what repairs the map. */
+/** The answer to a puzzle: its cause, a `lesson` about it from a `section`, and what repairs the map. */
 export interface SolutionAnswer {
   readonly cause: string;
   readonly label: string;
@@ -1358,7 +1358,7 @@ export interface TerrainCounts {
   readonly unknown: number;
 }
 
-/** The terrain among the visitor's uploads. */
+/** A terrain among the visitor's uploads. */
 export interface TerrainOfUpload {
   /** Id of the cloud or map, as in /api/logs; null: none. */
   readonly log: string | null;
@@ -1396,10 +1396,9 @@ export interface Topic {
 }
 
 /**
- * A topic of the recording; times are seconds since the log's first scan, null for messages without a time. They are
- * those of the recording, less the time from the stamp of that scan to its own recording. `mapped` says whether the map
- * is made of it, null for a topic of which no map can be made; `cut` whether it has clouds or images, out of which
- * scans can be cut.
+ * A topic of the recording. Times are seconds since the log's first scan, null for topics without times. They are
+ * recording times, minus the delay from the stamp of that scan to its recording. `mapped` says whether the map uses the
+ * topic, null if no map can be made from it; `cut` whether it has clouds or images from which scans can be cut.
  */
 export interface TopicAnswer {
   readonly name: string;
@@ -1414,9 +1413,9 @@ export interface TopicAnswer {
 }
 
 /**
- * The numbers that can be plotted of a topic, by the paths of their fields; `why` there are none, else empty.
- * `computed` says that they are no topic's: they are computed of the log's scans, its map or its pose graph. `frames`
- * are the coordinate frames that its first message names (`frame_id` and `child_frame_id`).
+ * The numbers of a topic that can be plotted, by the paths of their fields; `why` there are none, else empty.
+ * `computed` says that they do not come from a topic, but are computed from the log's scans, its map or its pose graph.
+ * `frames` are the coordinate frames in its first message (`frame_id` and `child_frame_id`).
  */
 export interface TopicFieldsAnswer {
   readonly topic: string;
@@ -1429,7 +1428,7 @@ export interface TopicFieldsAnswer {
 
 /**
  * A trajectory of a log: its own (`source` is "log"), or one that the visitor has added. `created_s` is when it was
- * added, seconds since 1970; `has_graph` says whether its pose graph is kept.
+ * added, seconds since 1970; `has_graph` says whether its pose graph is stored.
  */
 export interface TrajectoryAnswer {
   readonly name: string;
@@ -1450,7 +1449,7 @@ export interface TrajectoryErrors {
   readonly paths: ComparedPaths;
 }
 
-/** A loop that SLAM tried, `away_m` metres from a place; `reason` says what refused it, empty if accepted. */
+/** A loop that SLAM tried, `away_m` metres from a place. `reason` is why it was rejected, empty if accepted. */
 export interface TriedLoop {
   readonly candidate: number;
   readonly scans: readonly [number, number];
@@ -1475,8 +1474,8 @@ export interface TriedLoopScans {
 }
 
 /**
- * What was tried near a place. `visits` are the runs of scans, first and last, that were taken near it. `pair` is a
- * scan of the first visit and one of the last, which a loop could join; null without two visits.
+ * The loops that were tried near a place. `visits` are the runs of scans (first and last) recorded near it. `pair` is a
+ * scan of the first visit and one of the last, which a loop could join; null if there are not two visits.
  */
 export interface TriedNear {
   readonly visits: readonly (readonly [number, number])[];
@@ -1484,20 +1483,20 @@ export interface TriedNear {
   readonly candidates: readonly TriedLoop[];
 }
 
-/** How many bytes of an upload have arrived: the next part starts there; the `total` is known with the first. */
+/** The number of received bytes of an upload, where the next part starts; `total` is known with the first part. */
 export interface UploadOffset {
   readonly offset: number;
   readonly total: number | null;
 }
 
-/** A simulated world; `bounds` are the least x and y and the greatest, metres. */
+/** A simulated world; `bounds` are the least and greatest x and y, metres. */
 export interface WorldAnswer {
   readonly name: string;
   readonly title: string;
   readonly bounds: readonly [number, number, number, number];
 }
 
-/** Edits of a world, as the command `edit` has them. */
+/** Edits of a world, as in the `edit` command. */
 export interface WorldEdits {
   /** Walls and boxes that were drawn. */
   readonly added: readonly (readonly (string | number)[])[];

@@ -1,4 +1,4 @@
-/** The session kinds of the pages; for another kind a page is outdated. */
+/** The session kinds known to the pages; for another kind a page is outdated. */
 
 export interface SessionKind {
   /** Whether the user can drive the robot. */

@@ -54,7 +54,7 @@ export interface Parameter {
 /** parameters by name */
 export type Values = Readonly<Record<string, Value>>;
 
-/** A parameter table and its present values. */
+/** A parameter table and its current values. */
 export interface Table {
   /** one row for each parameter */
   readonly table: readonly Parameter[];
@@ -231,7 +231,7 @@ export interface Numbers {
 /** [x, y, z] in m */
 export type Place = readonly [x: number, y: number, z: number];
 
-/** The numbers at the ends of a scale of colours; what is beyond them has the colours of the ends. */
+/** The values at the ends of a colour scale. Values beyond them have the colours of the ends. */
 export interface ColourScale {
   /** at the beginning */
   readonly low: number;
@@ -287,7 +287,7 @@ export interface VoxelUpdate {
   readonly after: number;
 }
 
-/** The measured point in a voxel that is nearest to the line of sight, or to the place that was asked about. */
+/** The measured point in a voxel that is nearest to the line of sight, or to the queried place. */
 export interface VoxelPoint {
   /** where it is, m */
   readonly place: Place;
@@ -299,7 +299,7 @@ export interface VoxelPoint {
   readonly count: number;
 }
 
-/** Numbers of patches of each class before parameters changed. */
+/** Numbers of patches of each class before the last change of parameters. */
 export interface TerrainCounts {
   /** names of the parameters */
   readonly changed: readonly string[];
@@ -311,7 +311,7 @@ export interface TerrainCounts {
   readonly unknown: number;
 }
 
-/** A patch of terrain that was asked about, or the window around it that its plane is fitted to. */
+/** A queried patch of terrain, or the window around it to which its plane is fitted. */
 export interface TerrainPatch {
   /** the place that was asked about, m */
   readonly x: number;
@@ -363,7 +363,7 @@ export interface LayerCost {
   readonly sentence: string;
 }
 
-/** The axis of a guess that is a number. */
+/** The axis for guessing a number. */
 export interface ClassAxis {
   /** least guess */
   readonly low: number;
@@ -373,7 +373,7 @@ export interface ClassAxis {
   readonly unit?: string;
 }
 
-/** A question that the class is asked, and what has been answered. */
+/** A question for the class, and the answers to it. */
 export interface ClassQuestion {
   /** number of the question, from 1 */
   readonly id: number;
@@ -423,7 +423,7 @@ export interface ClassPuzzle {
   readonly board: readonly ClassSolver[];
 }
 
-/** The slide that is shown now, without its notes: all that followers get of the lecturer's deck. */
+/** The current slide without its notes, the only part of the lecturer's deck that followers receive. */
 export interface ClassSlide {
   /**
    * the title with a map, a section of the lecture, its derivation, a text of the lecturer's, or a page in the slide
@@ -439,7 +439,7 @@ export interface ClassSlide {
   readonly address?: string | null;
 }
 
-/** The part of the map that a picture shows, with the size of the picture. */
+/** The part of the map shown in a picture, with the size of the picture. */
 export interface ClassLook {
   /** the place in the middle, m */
   readonly x: number;
@@ -517,7 +517,7 @@ export interface LayersMessage {
 
 /**
  * The grid to which the tiles of an epoch belong. Tiles of another epoch are ignored. Sent before the first tiles of
- * an epoch, of each grid that the page has subscribed to.
+ * an epoch, for each grid that the page has subscribed to.
  */
 export interface Geometry {
   readonly type: "geometry";
@@ -544,7 +544,7 @@ export interface Geometry {
 /**
  * Newest state of the session, sent directly before the tiles of the same instant. The fields of the scan
  * (`scan_pose`, `believed_scan_pose`, `ranges`, `angle_min`, `angle_increment`, `bearings`, `beam_width`,
- * `range_max`) are sent only with a new scan: if `ranges` is missing, all of them are unchanged.
+ * `range_max`) are sent only with a new scan. If `ranges` is missing, all of them are unchanged.
  */
 export interface FrameMessage {
   readonly type: "frame";
@@ -612,7 +612,7 @@ export interface Trajectories {
   readonly compared: readonly [string, string] | null;
 }
 
-/** Present parameters, sent after each change and after a refused change. */
+/** Current parameters, sent after each change and after a refused change. */
 export interface ParametersMessage {
   readonly type: "parameters";
   /** mapping parameters */
@@ -758,7 +758,7 @@ export interface WhyMessage {
   readonly layer: string;
 }
 
-/** Logs: what was clicked in a 3D view of the session. Sent to the page that the view is in. */
+/** Logs: the object that was clicked in a 3D view of the session. Sent to the page of that view. */
 export interface PickedMessage {
   readonly type: "picked";
   /** a loop of the pose graph, a pose of the path, which the map then goes to, or a cell of the map */
@@ -775,7 +775,7 @@ export interface PickedMessage {
   readonly edge: number | null;
 }
 
-/** Answer to a click into a 3D view of a page that measures: what is there. */
+/** Answer to a click in a 3D view of a page that measures: the object at that place. */
 export interface PlaceMessage {
   readonly type: "place";
   /** x of the place in the map frame, m */
@@ -810,7 +810,7 @@ export interface Pong {
   readonly t: number;
 }
 
-/** Log sessions: comparison of the map, B, with the second map, A. Both fields null: there is no comparison. */
+/** Log sessions: comparison of the map, B, with the second map, A. Both fields are null without a comparison. */
 export interface ComparisonMessage {
   readonly type: "comparison";
   /** scans in the map */
@@ -856,7 +856,7 @@ export interface LocalizationMessage {
   readonly error_rad: number | null;
 }
 
-/** The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`. */
+/** The 3D map of a simulation. Cells that are only in this map are in the layer `only_in_3d`. */
 export interface Map3dMessage {
   readonly type: "map3d";
   /** whether there is one */
@@ -885,7 +885,7 @@ export interface Map3dMessage {
   readonly dense_bytes: number;
 }
 
-/** Sessions in 3D: what the map has, and how it is shown. Sent at the start and after changes. */
+/** Sessions in 3D: the contents of the map and its display options. Sent at the start and after changes. */
 export interface VolumeMessage {
   readonly type: "volume";
   /** what is shown, and how */
@@ -929,8 +929,8 @@ export interface VolumeMessage {
 }
 
 /**
- * Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes. A simulation sends
- * it while its surface is shown; its parameters are those of the 3D map.
+ * Sessions in 3D: the surface from truncated signed distances. Sent at the start and after changes. A simulation
+ * sends it while its surface is shown; its parameters are those of the 3D map.
  */
 export interface SurfaceMessage {
   readonly type: "surface";
@@ -958,7 +958,7 @@ export interface SurfaceMessage {
   readonly problem: string | null;
 }
 
-/** Answer to `voxel` and to a click in 3D while the surface is shown, to all clients. Null: none is chosen. */
+/** Answer to `voxel` and to a click in 3D while the surface is shown, for all clients. Null: none is chosen. */
 export interface SurfaceVoxelMessage {
   readonly type: "surface_voxel";
   /** its centre, m */
@@ -977,7 +977,7 @@ export interface SurfaceVoxelMessage {
   readonly updates: readonly SurfaceUpdate[];
 }
 
-/** Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen. */
+/** Answer to `voxel` and to a click in 3D, for all clients: why a voxel has its state. Null: none is chosen. */
 export interface VoxelMessage {
   readonly type: "voxel";
   /** its centre, m */
@@ -1116,7 +1116,7 @@ export interface MapEditsMessage {
   readonly notes: readonly string[];
 }
 
-/** Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again. */
+/** Log sessions: a note on the log was written, changed or deleted. Pages then request the notes again. */
 export interface NotesMessage {
   readonly type: "notes";
   /** when, seconds since 1970 */
@@ -1150,14 +1150,14 @@ export interface SubscribeCommand {
   readonly layers: readonly string[];
 }
 
-/** Mark a place of the map in the 3D views of this page. */
+/** Mark a place on the map in the 3D views of this page. */
 export interface SelectCommand {
   readonly type: "select";
   /** the place; null for none */
   readonly place?: Point | null;
 }
 
-/** Draw what this page measures in its 3D views, where each click is then answered with `place`. */
+/** Draw this page's measurement in its 3D views, where each click is then answered with `place`. */
 export interface MeasureCommand {
   readonly type: "measure";
   /** the points so far, map metres; null: nothing is measured */
@@ -1202,7 +1202,7 @@ export interface SeekCommand {
   readonly index: number;
 }
 
-/** Log sessions: end the computation that goes on. A seek stays where it is; parameters are as before. */
+/** Log sessions: cancel the current computation. A seek stops where it is; parameters are restored. */
 export interface CancelCommand {
   readonly type: "cancel";
 }
@@ -1311,7 +1311,7 @@ export interface InspectCommand {
   readonly layer?: string;
 }
 
-/** Request the contributions to a cell; answered with `why`. Of several in a tick only the newest is answered. */
+/** Request the contributions to a cell; answered with `why`. Of several in a tick only the last is answered. */
 export interface WhyCommand {
   readonly type: "why";
   /** row of the cell */
@@ -1326,7 +1326,7 @@ export interface WhyCommand {
   readonly layer?: string;
 }
 
-/** Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it. */
+/** Simulations: begin to localize the robot in a map, from an unknown pose, change the parameters, or end it. */
 export interface LocalizeCommand {
   readonly type: "localize";
   /** whether it is localized */
@@ -1339,7 +1339,7 @@ export interface LocalizeCommand {
   readonly keep?: boolean;
 }
 
-/** Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it. */
+/** Simulations: begin a 3D map from the robot's 3D sensor, change it, or end it. */
 export interface Map3dCommand {
   readonly type: "map3d";
   /** whether there is one */
@@ -1348,21 +1348,21 @@ export interface Map3dCommand {
   readonly values?: Values;
 }
 
-/** Sessions in 3D: change what is shown, and how. */
+/** Sessions in 3D: change the display options. */
 export interface VolumeLookCommand {
   readonly type: "volume_look";
   /** new values; the others stay */
   readonly values: Values;
 }
 
-/** Sessions in 3D: change parameters of the surface, which is then made again. */
+/** Sessions in 3D: change parameters of the surface, which is then recomputed. */
 export interface SurfaceCommand {
   readonly type: "surface";
   /** new values; the others stay */
   readonly values: Values;
 }
 
-/** Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none. */
+/** Sessions in 3D: ask why the voxel at a place has its state; answered with `voxel`. Null: choose none. */
 export interface VoxelCommand {
   readonly type: "voxel";
   /** x in the map frame, m */
@@ -1382,14 +1382,14 @@ export interface VoxelRayCommand {
   readonly direction: readonly [number, number, number];
 }
 
-/** Sessions in 3D: keep the present map to compare later ones with it, or end the comparison. */
+/** Sessions in 3D: keep the current map to compare later ones with it, or end the comparison. */
 export interface VolumeKeepCommand {
   readonly type: "volume_keep";
   /** whether to compare */
   readonly value?: boolean;
 }
 
-/** Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end. */
+/** Simulations with a 3D map, and clouds: begin to assess their terrain, change it, query a patch, or end. */
 export interface TerrainCommand {
   readonly type: "terrain";
   /** whether it is assessed */
@@ -1402,7 +1402,7 @@ export interface TerrainCommand {
   readonly y?: number | null;
 }
 
-/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
+/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. Omitted fields are kept. */
 export interface CostmapCommand {
   readonly type: "costmap";
   /** false: end it */
@@ -1442,7 +1442,7 @@ export interface GoalCommand {
   readonly drives?: boolean | null;
 }
 
-/** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
+/** Maps: edit the map; see `mapper.editing`. Points are in the coordinates after the earlier edits. */
 export interface MapEditCommand {
   readonly type: "map_edit";
   /** paint, fill, keepout, speed, despeckle, rotate, crop or origin */
@@ -1459,14 +1459,14 @@ export interface MapEditCommand {
   readonly angle?: number | null;
 }
 
-/** Maps: undo edits, or make them again. */
+/** Maps: undo edits, or redo them. */
 export interface MapHistoryCommand {
   readonly type: "map_history";
   /** negative: number of steps to undo; positive: to redo */
   readonly steps: number;
 }
 
-/** The state of the class, to all who are in it; at most five times a second. */
+/** The state of the class, sent to all its members, at most five times a second. */
 export interface ClassState {
   readonly type: "class";
   /** the code of the class */
@@ -1491,7 +1491,7 @@ export interface ClassState {
   readonly counts_joined_only?: boolean;
 }
 
-/** The first message: who one is in the class. */
+/** The first message: the role of the receiver in the class. */
 export interface ClassWelcome {
   readonly type: "welcome";
   /** what one may do */
@@ -1502,7 +1502,7 @@ export interface ClassWelcome {
   readonly answer: number | null;
 }
 
-/** Present state of the lecturer's page, sent to the followers. */
+/** Current state of the lecturer's page, sent to the followers. */
 export interface ClassViewMessage {
   readonly type: "view";
   /** what the lecturer shows */
@@ -1511,7 +1511,7 @@ export interface ClassViewMessage {
   readonly stage: number;
 }
 
-/** The explanation of the selected cell, as the lecturer's page shows it, to the followers. */
+/** The explanation of the selected cell, as shown on the lecturer's page, sent to the followers. */
 export interface ClassExplained {
   readonly type: "explained";
   /** the explanation; null: none is shown */
@@ -1529,7 +1529,7 @@ export interface ClassError {
   readonly answer?: number | null;
 }
 
-/** Lecturer: what the page shows now. */
+/** Lecturer: the current state of the page. */
 export interface ShowCommand {
   readonly type: "show";
   /** what it shows */
@@ -1538,14 +1538,14 @@ export interface ShowCommand {
   readonly session?: string | null;
 }
 
-/** Lecturer: the explanation that the page shows. */
+/** Lecturer: the explanation shown on the page. */
 export interface ExplainCommand {
   readonly type: "explain";
   /** the explanation; null: none is shown */
   readonly why?: WhyMessage | null;
 }
 
-/** Lecturer: ask the class a question, with options to choose from or an axis on which a number is guessed. */
+/** Lecturer: ask the class a question, with options to choose from or an axis for guessing a number. */
 export interface AskCommand {
   readonly type: "ask";
   /** the question */
@@ -1558,21 +1558,21 @@ export interface AskCommand {
   readonly right?: number | null;
 }
 
-/** Lecturer: show the result to all. No more answers are taken. */
+/** Lecturer: show the result to all. No more answers are accepted. */
 export interface RevealCommand {
   readonly type: "reveal";
   /** the right answer, if it was not known before */
   readonly right?: number | null;
 }
 
-/** Lecturer: take no more answers to the question, or take them again. Its result is not shown yet. */
+/** Lecturer: accept no more answers to the question, or accept them again. Its result is not shown yet. */
 export interface StopCommand {
   readonly type: "stop";
   /** false: answers are taken again, and those given are kept */
   readonly value?: boolean;
 }
 
-/** Lecturer: take the question away. Its result is kept until the class ends. */
+/** Lecturer: remove the question. Its result is kept until the class ends. */
 export interface CloseCommand {
   readonly type: "close";
 }
@@ -1584,7 +1584,7 @@ export interface LockCommand {
   readonly value: boolean;
 }
 
-/** Lecturer: choose whose answers are counted, of all questions of the class. */
+/** Lecturer: choose whose answers are counted, for all questions of the class. */
 export interface CountCommand {
   readonly type: "count";
   /** only of who had joined when the question was asked */
@@ -1607,7 +1607,7 @@ export interface AnswerCommand {
   readonly value: number;
 }
 
-/** Follower: ask for the robot, or no longer. */
+/** Follower: request the robot, or withdraw the request. */
 export interface RaiseCommand {
   readonly type: "raise";
   /** whether one asks for it */

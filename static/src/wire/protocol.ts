@@ -71,7 +71,7 @@ export const TILE: Geometry["tile"] = 64;
 export type Frame = FrameMessage &
   Required<Pick<FrameMessage, "scan_pose" | "ranges" | "angle_min" | "angle_increment" | "range_max">>;
 
-/** A frame that breaks the protocol; `code` is stable, the message is one sentence. */
+/** An invalid frame; `code` is stable, the message is one sentence. */
 export class ProtocolError extends Error {
   readonly code: string;
 

@@ -1,7 +1,7 @@
-"""A Dask cluster that maps logs: one connection for all jobs, in a thread with an event loop of its own.
+"""A Dask cluster that maps logs: one connection for all jobs, in a thread with its own event loop.
 
-A log's bytes go to a worker through the scheduler, a piece at a time, and the results come back: the workers need none
-of the service's folders, and only the scheduler must be reachable. The connection is made again when it was lost.
+A log's bytes go to a worker through the scheduler in pieces, and the results come back. The workers need none of the
+service's folders, and only the scheduler must be reachable. A lost connection is re-established.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from server.library.processing.fleet import cluster_tasks as tasks
 
 PIECE_BYTES = 4 << 20  #: of a log in one message
-CONNECT_S = 5.0  #: how long one attempt to reach the scheduler takes
-ANSWER_S = 10.0  #: how long the scheduler and a worker may take to answer
-LOOK_S = 0.5  #: how often the cluster and the running jobs are looked at
-RENEW_S = 2.0  #: how often the lease of a job is renewed, and its progress asked for
+CONNECT_S = 5.0  #: timeout of one attempt to reach the scheduler
+ANSWER_S = 10.0  #: timeout of answers of the scheduler and of workers
+LOOK_S = 0.5  #: interval of checking the cluster and the running jobs
+RENEW_S = 2.0  #: interval of renewing the lease of a job and querying its progress
 NO_WORKER_S = 20.0  #: how long a job waits for a worker
 CLOSE_S = 2.0
-SIBLINGS = ("poses.txt",)  #: files that belong to one beside them: the poses of a sonar's readings
+SIBLINGS = ("poses.txt",)  #: files that belong to another one in their folder: the poses of a sonar's readings
 
 _log = structlog.get_logger(__name__)
 
@@ -48,7 +48,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class ClusterState:
-    """Workers that map logs, and how many logs they map at once; ``error`` says why there are none or fewer."""
+    """Workers that map logs, and their number of concurrent logs; ``error`` is why there are none or fewer."""
 
     workers: int = 0
     threads: int = 0
@@ -58,15 +58,15 @@ class ClusterState:
 class Cluster:
     """The cluster whose scheduler is at ``place``, ``tcp://HOST:PORT`` or ``tls://HOST:PORT``.
 
-    It need not be there: the connection is tried again until :meth:`close`. Used from any thread. Raises
-    :class:`StorageError` where Dask is not installed.
+    It need not be available: connecting is retried until :meth:`close`. Used from any thread. Raises
+    :class:`StorageError` if Dask is not installed.
     """
 
     def __init__(self, place: str) -> None:
         require_dask()
         self._place = place
         self._client: Client | None = None
-        self._threads: dict[str, int] = {}  #: by the address of a worker that has this version of the package
+        self._threads: dict[str, int] = {}  #: by the address of a worker with this version of the package
         self._others: dict[str, str] = {}  #: why a worker gets no logs, by its address
         self._jobs: Counter[str] = Counter()  #: by the address of their worker
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -83,18 +83,18 @@ class Cluster:
         return self.state
 
     def submit(self, job: FleetJob, tell: Callable[[float], None]) -> Future[MapFacts]:
-        """Have a log mapped, and its files written here; ``tell`` is called with the fraction done.
+        """Have a log mapped, and its files written here; ``tell`` is called with the completed share.
 
-        The future raises what the job raises, :class:`BrokenExecutor` where its process was ended,
+        The future raises the job's exceptions, :class:`BrokenExecutor` if its process was killed,
         :class:`WorkerLostError` and :class:`ClusterLostError`. Cancelling it ends the job.
         """
         return self._begin(self._mapped(job, tell))
 
     def close(self) -> None:
-        """Cancel what runs and end the connection. Blocks for some seconds at most."""
+        """Cancel running jobs and end the connection. Blocks for a few seconds at most."""
         if not self._thread.is_alive():
             return
-        with contextlib.suppress(Exception):  # a scheduler that does not answer is left as it is
+        with contextlib.suppress(Exception):  # a scheduler that does not answer is left alone
             asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(3 * CLOSE_S)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(CLOSE_S)
@@ -142,7 +142,7 @@ class Cluster:
         if self._client is None:
             client = Client(self._place, asynchronous=True, timeout=CONNECT_S, set_as_default=False)
             try:
-                await asyncio.wait_for(client, CONNECT_S)  # its own timeout leaves out who accepts and never answers
+                await asyncio.wait_for(client, CONNECT_S)  # its own timeout does not cover a silent peer
             except BaseException:
                 await _closed(client)
                 raise
@@ -165,7 +165,7 @@ class Cluster:
         self.state = ClusterState(len(self._threads), sum(self._threads.values()), error)
 
     async def _reason_against(self, client: Client, address: str) -> str:
-        """Return why a new worker gets no logs, nothing where it may have some."""
+        """Return why a new worker gets no logs, empty if it may have some."""
         from server.library.processing.fleet import cluster_tasks as tasks  # noqa: PLC0415 - it needs Dask
 
         try:
@@ -207,7 +207,7 @@ class Cluster:
         return outcome.facts
 
     async def _free_worker(self) -> tuple[Client, str]:
-        """Return the worker with the most threads free, for which there is one. Raises :class:`ClusterLostError`."""
+        """Return a worker with the most free threads, if there is one. Raises :class:`ClusterLostError`."""
         missing_since = time.monotonic()
         while True:
             free = {address: threads - self._jobs[address] for address, threads in self._threads.items()}
@@ -223,7 +223,7 @@ class Cluster:
     async def _mapped_at(
         self, client: Client, address: str, job: FleetJob, tell: Callable[[float], None]
     ) -> tasks.Mapped | Exception:
-        """Send a log to a worker and return what came of it. Raises where the cluster fails."""
+        """Send a log to a worker and return the result. Raises if the cluster fails."""
         from server.library.processing.fleet import cluster_tasks as tasks  # noqa: PLC0415 - it needs Dask
 
         ticket = uuid.uuid4().hex
@@ -240,12 +240,12 @@ class Cluster:
             given = (ticket, job, source.name)
             future = client.submit(tasks.map_sent_log, *given, workers=[address], pure=False, key=key)
             try:
-                result: Any = future.result()  # of an asynchronous client: awaitable
+                result: Any = future.result()  # awaitable, because the client is asynchronous
                 return await self._awaited(client, address, asyncio.ensure_future(result), ask, tell)
             finally:
                 future.release()
         finally:
-            with contextlib.suppress(Exception):  # where it cannot be told, the job ends when nobody renews its lease
+            with contextlib.suppress(Exception):  # if this fails, the job ends when its lease expires
                 await asyncio.shield(asyncio.wait_for(ask(tasks.end_job), CLOSE_S))
 
     async def _awaited(
@@ -256,7 +256,7 @@ class Cluster:
         ask: Callable[..., Coroutine[Any, Any, Any]],
         tell: Callable[[float], None],
     ) -> tasks.Mapped | Exception:
-        """Return the result of a job, whose lease is renewed meanwhile. Raises where the cluster fails."""
+        """Return the result of a job, renewing its lease meanwhile. Raises if the cluster fails."""
         from server.library.processing.fleet import cluster_tasks as tasks  # noqa: PLC0415 - it needs Dask
 
         asked = renewed = time.monotonic()
@@ -284,7 +284,7 @@ class Cluster:
 
 
 def require_dask() -> None:
-    """Raise :class:`StorageError` where Dask is not installed."""
+    """Raise :class:`StorageError` if Dask is not installed."""
     try:
         import distributed  # noqa: F401, PLC0415 - only where a cluster is asked for
     except ImportError:
@@ -293,19 +293,19 @@ def require_dask() -> None:
 
 
 async def _answer(asked: Any, address: str) -> Any:  # noqa: ANN401 - of Dask
-    """Return what the worker at ``address`` answers; raises what it raises, and :class:`OSError`."""
+    """Return the answer of the worker at ``address``; raises what it raises, and :class:`OSError`."""
     return (await asyncio.wait_for(asked, ANSWER_S))[address]
 
 
 async def _pieces(source: Path) -> AsyncIterator[tuple[str, bytes]]:
-    """Yield the bytes of a log with the name of their file, in order; nothing of one that is missing.
+    """Yield the bytes of a log with the name of their file, in order; nothing for a missing one.
 
-    A log that is a folder has the folder's name before those of its files. Raises :class:`ReadError`.
+    For a log that is a folder, the names start with the folder's. Raises :class:`ReadError`.
     """
     try:
         for name, path in await asyncio.to_thread(_files, source):
             piece = await asyncio.to_thread(_piece, path, 0)
-            yield name, piece  # of an empty file too
+            yield name, piece  # also for an empty file
             at = len(piece)
             while piece := await asyncio.to_thread(_piece, path, at):
                 yield name, piece
@@ -315,7 +315,7 @@ async def _pieces(source: Path) -> AsyncIterator[tuple[str, bytes]]:
 
 
 def _piece(path: Path, at: int) -> bytes:
-    """Return the bytes of a file from ``at`` on. Opened for each piece: a cancelled job leaves no open file."""
+    """Return the bytes of a file from ``at`` on. It is opened for each piece, so that cancelling is safe."""
     with path.open("rb") as file:
         file.seek(at)
         return file.read(PIECE_BYTES)
@@ -330,11 +330,11 @@ def _files(source: Path) -> list[tuple[str, Path]]:
 
 
 def _write(mapped: tasks.Mapped, job: FleetJob) -> None:
-    """Write the files that a job has made to where they belong. Raises :class:`StorageError`."""
+    """Write the files produced by a job to their destinations. Raises :class:`StorageError`."""
     picture = Path(job.picture)
     places = {picture.name: picture}
     if job.map is not None:
-        maps = [Path(f"{job.map}{ending}") for ending in (".pgm", ".yaml")]  # the image before what names it
+        maps = [Path(f"{job.map}{ending}") for ending in (".pgm", ".yaml")]  # the image before the file that names it
         places |= {path.name: path for path in maps}
     try:
         for name in [name for name in places if name in mapped.files]:
@@ -358,5 +358,5 @@ def _first_line(error: BaseException) -> str:
 
 
 def _kind_of(error: BaseException) -> str:
-    """Return what kind of error it is: its text may name addresses, which visitors need not know."""
+    """Return the kind of an error. Its text may contain addresses, which visitors need not know."""
     return type(error).__name__

@@ -1,8 +1,8 @@
-"""What a worker of a Dask cluster does for a log that is sent to it: take its files, do the job, return the results.
+"""The tasks of a Dask worker for a log that is sent to it: receive its files, do the job, return the results.
 
-The files of a job are in a folder of the worker's own, named by the job's ticket, which has three parts: ``log``, the
-files that were sent; ``lease``, a file that says how far the job is and without which its process ends; ``out``, the
-files that the job makes. The folder is removed when the job ends, and where nobody renews the lease, as when the
+The files of a job are in a folder of the worker, named by the job's ticket, which has three parts: ``log``, the files
+that were sent; ``lease``, a file that contains the progress of the job, and without which its process ends; ``out``,
+the files that the job produces. The folder is removed when the job ends, and when the lease expires, as after the
 service was killed.
 """
 
@@ -24,28 +24,28 @@ from server.version import package_version
 if TYPE_CHECKING:
     from distributed import Worker
 
-LEASE_S = 30.0  #: after which a job ends that nobody renews
+LEASE_S = 30.0  #: a job ends when it is not renewed for this time
 PREFIX = "gridbloom-"  #: of the folders of jobs
 
-_renewed: dict[str, float] = {}  #: by ticket: when its lease was renewed; used from the worker's event loop only
+_renewed: dict[str, float] = {}  #: by ticket: when its lease was renewed; used only from the worker's event loop
 _expiring: set[asyncio.Task[None]] = set()
 
 
 @dataclass(frozen=True, slots=True)
 class Mapped:
-    """What came of a job: its facts, and the files that it has made, by name."""
+    """Result of a job: its facts, and the files that it has produced, by name."""
 
     facts: MapFacts
     files: dict[str, bytes]
 
 
 def version() -> str:
-    """Return the version of the package that the worker has."""
+    """Return the worker's version of the package."""
     return package_version()
 
 
 async def begin_job(ticket: str, dask_worker: Worker) -> None:
-    """Make the folder of a job. Raises :class:`OSError`."""
+    """Create the folder of a job. Raises :class:`OSError`."""
     folder = _folder(dask_worker, ticket)
     for name in ("log", "out"):
         (folder / name).mkdir(parents=True)
@@ -57,7 +57,7 @@ async def begin_job(ticket: str, dask_worker: Worker) -> None:
 
 
 async def write_piece(ticket: str, name: str, data: bytes, dask_worker: Worker) -> None:
-    """Append to a file of the log, which is made where it is not there. Raises :class:`OSError`."""
+    """Append to a file of the log, which is created if necessary. Raises :class:`OSError`."""
     log = _folder(dask_worker, ticket) / "log"
     path = log / name
     if not path.resolve().is_relative_to(log.resolve()):
@@ -73,7 +73,7 @@ async def write_piece(ticket: str, name: str, data: bytes, dask_worker: Worker) 
 
 
 async def renew_lease(ticket: str, dask_worker: Worker) -> float:
-    """Let a job go on for :data:`LEASE_S` more; return how much of it is done, from 0 to 1."""
+    """Let a job continue for another :data:`LEASE_S`; return its completed share, from 0 to 1."""
     _renewed[ticket] = time.monotonic()
     try:
         return float((_folder(dask_worker, ticket) / "lease").read_bytes() or 0.0)
@@ -88,9 +88,9 @@ async def end_job(ticket: str, dask_worker: Worker) -> None:
 
 
 def map_sent_log(ticket: str, job: FleetJob, name: str) -> Mapped | Exception:
-    """Do a job whose log was sent as ``name``, in a process of its own; return what the job raises.
+    """Do a job whose log was sent as ``name``, in its own process; return what the job raises.
 
-    That is :class:`BrokenExecutor` where its process was ended. What is raised is a fault of the cluster.
+    That is :class:`BrokenExecutor` if its process was killed. A raised exception is a fault of the cluster.
     """
     folder = _folder(get_worker(), ticket)
     out = folder / "out"
@@ -112,13 +112,13 @@ def _folder(worker: Worker, ticket: str) -> Path:
 
 
 async def _remove(folder: Path) -> None:
-    """Remove the folder of a job; its process, which may still write, ends without the lease."""
+    """Remove the folder of a job. Its process, which may still be writing, ends without the lease."""
     (folder / "lease").unlink(missing_ok=True)
     await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
 
 
 async def _expire(ticket: str, folder: Path) -> None:
-    """End a job that nobody renews."""
+    """End a job whose lease was not renewed."""
     while ticket in _renewed:
         left = _renewed[ticket] + LEASE_S - time.monotonic()
         if left <= 0.0:

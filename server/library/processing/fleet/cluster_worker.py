@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class ClusterWorker:
-    """Maps logs on ``cluster``, one at a time, each on the worker that has the most threads free."""
+    """Maps logs on ``cluster``, one at a time, each on the worker with the most free threads."""
 
     pid = 0
 
@@ -23,7 +23,7 @@ class ClusterWorker:
         self.progress = 0.0
 
     async def prepare(self) -> None:
-        """Begin nothing: the cluster's workers are its own matter."""
+        """Do nothing, because the cluster manages its workers."""
 
     def submit(self, job: BoundedJob[T]) -> Future[T]:
         """Have a log mapped; see :meth:`Cluster.submit`."""
@@ -46,5 +46,5 @@ class ClusterWorker:
             job.cancel()
 
     def close(self) -> None:
-        """Cancel the running job; the cluster is its owner's."""
+        """Cancel the running job. The cluster stays open, because it belongs to the caller."""
         self.end()

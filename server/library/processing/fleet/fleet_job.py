@@ -19,18 +19,18 @@ from server.jobs.outcome import outcome_of
 from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.workers import Worker
 
-READ, EXAMINED, MAPPED = 0.4, 0.7, 0.95  #: fractions of the job that are done then
-RUNS = 2  #: of a log whose process was ended: the machine may be at fault
-DIED = "fleet.died"  #: the error of a log whose process was ended
-LOSSES = 4  #: of workers of a cluster with one log, of which the machines may be at fault, or the log
+READ, EXAMINED, MAPPED = 0.4, 0.7, 0.95  #: completed shares of the job after these stages
+RUNS = 2  #: of a log whose process was killed, because the machine may be at fault
+DIED = "fleet.died"  #: the error of a log whose process was killed
+LOSSES = 4  #: lost cluster workers with one log, where the machines or the log may be at fault
 
 
 class ClusterLostError(MapperError):
-    """The cluster cannot do the job now: the log is not at fault."""
+    """The cluster cannot do the job now. The log is not at fault."""
 
 
 class WorkerLostError(MapperError):
-    """The worker of a cluster that did the job is gone."""
+    """The cluster worker that did the job is gone."""
 
 
 LIMITS = JobLimits(timeout_s=1800.0, cpu_s=1800.0)  #: of one log
@@ -38,7 +38,7 @@ LIMITS = JobLimits(timeout_s=1800.0, cpu_s=1800.0)  #: of one log
 
 @dataclass(frozen=True, slots=True)
 class FleetFinding:
-    """What the log doctor found: its ``check``, in a ``sentence``; ``possible`` where it may be something else."""
+    """A finding of the log doctor: its ``check``, in a ``sentence``; ``possible`` if there may be another cause."""
 
     check: str
     sentence: str
@@ -47,9 +47,9 @@ class FleetFinding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapFacts:
-    """What is known of a log that was mapped; the map has cells of ``resolution`` metres, ``contrast`` of its walls.
+    """Facts about a mapped log. The map has cells of ``resolution`` metres; ``contrast`` is that of its walls.
 
-    ``drift_m`` is that of ``MapFigures``: None where it could not be measured, and in results of versions without it.
+    ``drift_m`` is that of ``MapFigures``: None if it could not be measured, and in results of versions without it.
     ``cpu_s`` is processor time.
     """
 
@@ -68,7 +68,7 @@ class MapFacts:
 
 @dataclass(frozen=True, slots=True)
 class LogOptions:
-    """How each log is read and mapped, as by the options of one: the sensor, the topic of transforms, the poses.
+    """How each log is read and mapped: the sensor, the topic of transforms, the poses.
 
     ``mapping`` are parameters that correct the mount and the clock.
     """
@@ -80,7 +80,7 @@ class LogOptions:
 
     @property
     def in_words(self) -> str:
-        """The options that are not as by default; empty for none."""
+        """The options that differ from the defaults; empty if none do."""
         config = MappingConfig().with_values(self.mapping)
         named = {"sensor": self.topic, "transforms": self.tf, "poses": self.trajectory}
         words = [f"{what} {name}" for what, name in named.items() if name is not None]
@@ -92,9 +92,9 @@ class LogOptions:
         return ", ".join(words)
 
     def read(self, source: Path, progress: Callable[[float], None]) -> ScanLog:
-        """Return a log, the trajectory that is wanted as its first.
+        """Return a log with the requested trajectory as its first.
 
-        Raises :class:`MapperError`, also for a log without what is named here.
+        Raises :class:`MapperError`, also for a log without the sensor, topic or trajectory requested here.
         """
         log = logs.open_log(source, topic=self.topic, tf=self.tf, progress=progress)
         if self.trajectory is not None:
@@ -106,7 +106,7 @@ class LogOptions:
 class FleetJob(BoundedJob[MapFacts]):
     """Read ``source``, examine it, map it, and draw its map into ``picture``.
 
-    The map is kept as ``map`` (.yaml, .pgm) where that is given. A job in the ``background`` has a lower priority.
+    The map is stored as ``map`` (.yaml, .pgm) if that is given. A job in the ``background`` has a lower priority.
     """
 
     DOING = "Reading, examining and mapping this log"
@@ -120,7 +120,7 @@ class FleetJob(BoundedJob[MapFacts]):
     options: LogOptions = field(default_factory=LogOptions)
 
     def compute(self) -> MapFacts:
-        """Return what is known of the log. Raises :class:`MapperError` for one that is not read or mapped."""
+        """Return the facts about the log. Raises :class:`MapperError` for one that cannot be read or mapped."""
         from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
         from server.library.packs.picture import write_picture  # noqa: PLC0415
 
@@ -157,9 +157,9 @@ class FleetJob(BoundedJob[MapFacts]):
 async def fleet_facts(
     worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]] | None = None
 ) -> tuple[MapFacts, int]:
-    """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`outcome_of`.
+    """Have ``worker`` do ``job``; return the facts, and the number of runs. See :func:`outcome_of`.
 
-    A job whose worker is gone is begun again by another one. Raises :class:`ClusterLostError` where there is none.
+    A job whose worker is lost is restarted on another one. Raises :class:`ClusterLostError` if there is none.
     """
     run, lost = 1, 0
     while True:

@@ -1,8 +1,8 @@
-"""The logs of the library as a fleet: each is read, examined and mapped once, by several workers, and the result kept.
+"""The logs of the library as a fleet: each is read, examined and mapped once, and the result stored.
 
-A result belongs to the log, not to who asked for it: of a log of the shared folder all visitors see one. Logs that wait
-when the service ends go on at the next start. They are done by processes of this machine or on a Dask cluster; while
-that is away they wait. All methods run on the event loop.
+Several workers do the jobs. A result belongs to the log, not to the requester, so all visitors see the same one for a
+log of the shared folder. Logs that wait when the service ends continue at the next start. They are mapped by processes
+of this machine or on a Dask cluster; while that is unavailable they wait. All methods run on the event loop.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ from server.library.processing.fleet.fleet_job import (
     fleet_facts,
 )
 
-MOST = 20_000  #: logs that wait at once, of all visitors
-LOOK_S = 0.5  #: how often the size of the cluster is looked at
+MOST = 20_000  #: maximum number of waiting logs, of all visitors
+LOOK_S = 0.5  #: interval of checking the size of the cluster
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FleetFacts(MapFacts):
-    """The facts, the elapsed time in ``seconds``, and how many ``runs`` it took."""
+    """The facts, the elapsed time in ``seconds``, and the number of ``runs``."""
 
     seconds: float
     runs: int
@@ -47,7 +47,7 @@ class FleetFacts(MapFacts):
 
 @dataclass(frozen=True, slots=True)
 class FleetRequest:
-    """How a log is read and mapped, as :class:`LogOptions` says it."""
+    """How a log is read and mapped, see :class:`LogOptions`."""
 
     topic: str | None = None
     tf: str | None = None
@@ -69,10 +69,10 @@ FleetLogState = Literal["none", "queued", "running", "done", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class FleetLog:
-    """A log of the fleet; ``fraction`` is the share of its job that is done, ``facts`` what was found out.
+    """A log of the fleet; ``fraction`` is the completed share of its job, ``facts`` are the results.
 
-    ``options`` are those that are not as by default, in words. ``has_picture`` says whether there is a picture of its
-    map, which the reading of a log draws before the fleet does.
+    ``options`` are those that differ from the defaults, in words. ``has_picture`` says whether there is a picture of
+    its map, which the reading of a log draws before the fleet does.
     """
 
     id: str
@@ -87,10 +87,10 @@ class FleetLog:
 
 @dataclass(frozen=True, slots=True)
 class FleetState:
-    """How many logs are in which state, and those that have changed since a revision.
+    """The numbers of logs by state, and those that have changed since a revision.
 
-    ``whole`` says that all are returned: of revision 0, and where a log was forgotten since. ``cluster`` is None where
-    processes of this machine do it; its address is not told.
+    ``whole`` says that all are returned: for revision 0, and if a log was removed since. ``cluster`` is None if
+    processes of this machine do the work; its address is not disclosed.
     """
 
     revision: int
@@ -102,9 +102,9 @@ class FleetState:
 
 
 class FleetJobs:
-    """The jobs, ``places`` at once, each on a worker of its own that ``worker`` makes.
+    """The jobs, ``places`` at once, each on its own worker, which ``worker`` creates.
 
-    With a ``cluster``, which is closed with them, they are done there, as many at once as its workers have threads.
+    With a ``cluster``, which is closed with them, they run there, as many at once as its workers have threads.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class FleetJobs:
         self._limits = limits
         self._idle: list[Worker] = []
         self._revision = 0
-        self._whole = 0  #: the last revision at which a log was forgotten
+        self._whole = 0  #: the last revision at which a log was removed
         self._changed_at: dict[Key, int] = {}
         kind = JobKind("fleet", "Mapping", "log", FleetRequest, FleetFacts, self.places)
         self._queue: Queue = JobQueue(rows, leases, kind, self._mapped, self._changed)
@@ -132,13 +132,13 @@ class FleetJobs:
         self.forget_log = self._queue.forget_log
 
     async def start(self) -> None:
-        """Begin again what an earlier run of the service did not finish. Raises :class:`StorageError`."""
+        """Restart what an earlier run of the service did not finish. Raises :class:`StorageError`."""
         await self._queue.start()
         if self._cluster is not None:
             self._following = asyncio.create_task(self._follow_size(self._cluster), name="size of the cluster")
 
     async def _follow_size(self, cluster: Cluster) -> None:
-        """Do as many jobs at once as the cluster's workers have threads."""
+        """Run as many jobs at once as the cluster's workers have threads."""
         while True:
             if cluster.state.threads != self.places:
                 self.places = cluster.state.threads
@@ -146,7 +146,7 @@ class FleetJobs:
             await asyncio.sleep(LOOK_S)
 
     async def close(self) -> None:
-        """End the running jobs, which the next start begins again, and their processes."""
+        """End the running jobs, which the next start of the service restarts, and their processes."""
         if self._following is not None:
             self._following.cancel()
         await self._queue.close()
@@ -168,8 +168,8 @@ class FleetJobs:
     async def begin(self, logs: Sequence[Record], *, again: bool = False, request: FleetRequest | None = None) -> int:
         """Queue the logs that have no result and are not under way; ``again``: also those that failed.
 
-        With a ``request`` also those whose result, or failure, is by another one. Returns how many there are. Raises
-        :class:`LimitError` for too many, and :class:`StorageError`.
+        With a ``request``, logs whose result or error is from another request are queued too. Returns their number.
+        Raises :class:`LimitError` for too many, and :class:`StorageError`.
         """
         known = self._queue.records
         jobs: list[Job] = []
@@ -187,11 +187,11 @@ class FleetJobs:
         return len(jobs)
 
     async def stop(self, logs: Sequence[Record]) -> None:
-        """End the jobs of these logs that are queued or running; what is done stays."""
+        """End the queued or running jobs of these logs. Results are kept."""
         await self._queue.stop_all([(log.owner, log.id) for log in logs])
 
     def state(self, logs: Sequence[Record], since: int = 0) -> FleetState:
-        """Return how many of these logs are in which state, and those that have changed since a revision."""
+        """Return the numbers of these logs by state, and those that have changed since a revision."""
         whole = since <= self._whole or since > self._revision
         counts = dict.fromkeys(get_args(FleetLogState), 0)
         shown = []
@@ -231,7 +231,7 @@ class FleetJobs:
                 facts, runs = await self._facts(worker, job, look)
         finally:
             self._idle.append(worker)
-            if len(self._queue.running) == 1:  # the last one: processes that wait take memory
+            if len(self._queue.running) == 1:  # the last one; waiting processes use memory
                 for idle in self._idle:
                     idle.end()
         await self._catalogue.publish(log.id)
@@ -243,7 +243,7 @@ class FleetJobs:
         return self._make_worker() if self._cluster is None else ClusterWorker(self._cluster)
 
     async def _facts(self, worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]]) -> tuple[MapFacts, int]:
-        """Return the facts and the number of runs; while the cluster is away the job waits."""
+        """Return the facts and the number of runs. While the cluster is unavailable the job waits."""
         while True:
             if self._cluster is None or self._cluster.state.threads:
                 with contextlib.suppress(ClusterLostError):

@@ -6,7 +6,7 @@ import { answerHint } from "./answerHint";
 import { Histogram } from "./Histogram";
 import { letterOf } from "./histogram";
 
-/** The question that the class is asked, as a follower answers it, and its result after the reveal. */
+/** The class's question as a follower answers it, and its result after the reveal. */
 export function AnswerCard({ room }: { readonly room: Classroom }) {
   const question = room.state.value?.question ?? null;
   if (!question) return null;

@@ -6,14 +6,14 @@ import { FollowerBar } from "./FollowerBar";
 import { LecturerBar } from "./LecturerBar";
 import { openClassHere } from "./opening";
 
-/** The class that this page belongs to, at the bottom of the page: once on each page. */
+/** The class of this page, at the bottom of the page; once on each page. */
 export function ClassHost() {
   const room = classroom.value;
   if (!room) return null;
   return room.isFollowed ? <FollowerBar room={room} /> : <LecturerBar room={room} />;
 }
 
-/** Opens a class; nothing while there is one, and on the pages of followers. */
+/** Opens a class. Not shown while there is one, and on the pages of followers. */
 export function ClassButton({ iconOnly = false }: { readonly iconOnly?: boolean }) {
   if (classroom.value || followedCode !== null) return null;
   if (iconOnly)

@@ -9,17 +9,17 @@ import { AnswerCard } from "./AnswerCard";
 import { OutdatedPage, useRefused } from "./bars";
 import { loadingPage } from "./pages";
 
-/** Begin a session of one's own with the state that the lecturer's has now. */
+/** Begin a session with the current state of the lecturer's. */
 async function fork(room: Classroom): Promise<void> {
   room.own.value = (await ask("POST /api/classes/{code}/sessions", { code: room.code })).id;
 }
 
-/** What a follower sees of the class on every page: where one is, the question, and the way into a world of one's own. */
+/** The follower's line about the class on every page: the state, the question, and a button for an own world. */
 export function FollowerBar({ room }: { readonly room: Classroom }) {
   const isForking = useSignal(false);
   const hasTouched = useSignal(false);
   useEffect(() => {
-    // What cannot be used is inert: a click on it goes to the view around it.
+    // Controls that cannot be used are inert; a click on them goes to the view around them.
     const touched = ({ target }: MouseEvent): void => {
       hasTouched.value = target instanceof Element && target.closest(".is-following") !== null;
     };

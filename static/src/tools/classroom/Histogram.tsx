@@ -2,8 +2,8 @@ import type { ClassQuestion } from "../../wire/protocol";
 import { barsOf, letterOf, spoken } from "./histogram";
 
 /**
- * The answers to a question: a bar for each option, or columns on the axis of the guess; while they are not known, the
- * options alone, or the axis.
+ * The answers to a question: a bar for each option, or columns on the axis of the guess. Before they are known, only
+ * the options or the axis.
  */
 export function Histogram({ question, own }: { readonly question: ClassQuestion; readonly own: number | null }) {
   const bars = barsOf(question);

@@ -30,8 +30,8 @@ function described(solver: ClassSolver): string {
 const sign = (solver: ClassSolver): string => (solver.is_solved ? "✓" : solver.is_named ? "½" : "·");
 
 /**
- * How far each follower is with the puzzle of the class, for the lecturer: numbers, no names. The numbers unfold, so that
- * the board covers one line of the page.
+ * The progress of each follower with the class's puzzle, for the lecturer: numbers, no names. The numbers can be
+ * unfolded, so that the board takes one line of the page.
  */
 function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readonly puzzle: ClassPuzzle }) {
   const isOpen = useSignal(false);
@@ -89,16 +89,16 @@ function Numbers({ puzzle }: { readonly puzzle: ClassPuzzle }) {
 
 const MOST_OPTIONS = 8;
 
-/** A number as it is written, with a point or a comma; null for an empty field, NaN for what is none. */
+/** A number as typed, with a point or a comma; null for an empty field, NaN for an invalid number. */
 const numberIn = (text: string): number | null => (text.trim() === "" ? null : Number(text.trim().replace(",", ".")));
 
-/** The index that the right option has among those that are not empty; null for none. */
+/** The index of the right option among those that are not empty; null for none. */
 function rightAmong(options: readonly string[], right: number): number | null {
   if (!options[right]?.trim()) return null;
   return options.slice(0, right).filter((option) => option.trim()).length;
 }
 
-/** A form for a question that is made on the spot: options to choose from, or a number to guess. */
+/** A form for an ad hoc question: options to choose from, or a number to guess. */
 export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly isOpen: Signal<boolean> }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const kind = useSignal("options");
@@ -253,7 +253,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
   );
 }
 
-/** Whether an address is reached only by the machine that it is opened on. */
+/** Whether an address is reachable only from the machine on which it is opened. */
 const isLoopback = (address: string): boolean => /^(localhost|127\.[\d.]+|\[::1\])$/.test(new URL(address).hostname);
 
 /** The code of the class, large enough for a hall: as a QR code, as letters, and as an address. */
@@ -395,7 +395,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
   );
 }
 
-/** Who drives the robot: the lecturer, or one follower. */
+/** The driver of the robot: the lecturer, or one follower. */
 function Robot({ room }: { readonly room: Classroom }) {
   const state = room.state.value;
   if (!state || (state.hands.length === 0 && state.driver === null)) return null;
@@ -428,7 +428,7 @@ function Robot({ room }: { readonly room: Classroom }) {
   );
 }
 
-/** The question that is asked, and how many have answered; the answers once they are revealed or looked at. */
+/** The current question, and the number of answers; the answers themselves once they are revealed or requested. */
 function Result({ room, question }: { readonly room: Classroom; readonly question: ClassQuestion }) {
   const present = room.state.value?.present ?? 0;
   const joinedOnly = room.state.value?.counts_joined_only ?? false;

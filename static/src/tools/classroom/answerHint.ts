@@ -10,7 +10,7 @@ function chosen({ options, axis }: ClassQuestion, given: number | null): string 
   return `You answered ${plain(given)} ${axis?.unit ?? ""}`.trim();
 }
 
-/** Whether the answer was right, and what is right, where the question has a right answer. */
+/** Whether the answer was right, and the right answer, if the question has one. */
 function verdict({ options, axis, right }: ClassQuestion, given: number | null): string {
   if (right === null) return "";
   if (options) {
@@ -27,7 +27,7 @@ function verdict({ options, axis, right }: ClassQuestion, given: number | null):
     : `${result} Yours was ${plain(Math.abs(off))}${unit} too ${off > 0 ? "high" : "low"}.`;
 }
 
-/** What a follower is told below a question that is asked: how to answer it, or what is right after its reveal. */
+/** The hint for a follower below a question: how to answer it, or the right answer after its reveal. */
 export function answerHint(question: ClassQuestion, given: number | null, room: Classroom | null): string {
   if (question.is_revealed) return verdict(question, given);
   if (question.is_closed) return `Voting is closed. ${chosen(question, given)}`;

@@ -3,7 +3,7 @@ import type { Classroom } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
 
-/** Tell why a command to the class was refused. */
+/** Show why a command to the class was refused. */
 export function useRefused(room: Classroom): void {
   useSignalEffect(() => {
     const refused = room.refused.value;
@@ -13,7 +13,7 @@ export function useRefused(room: Classroom): void {
   });
 }
 
-/** In place of the line of a class: the server was replaced by a newer one while the page was open. */
+/** Shown instead of the class's line if the server was replaced by a newer one while the page was open. */
 export function OutdatedPage() {
   return (
     <aside class="class-bar-box no-print" aria-label="Class">

@@ -1,4 +1,4 @@
-/** Which page a follower's browser shows, and that of a lecturer who shows a page that cannot be followed. */
+/** The page that a follower's browser shows, and that of a lecturer who shows a page that cannot be followed. */
 
 import { effect, signal, useSignalEffect } from "@preact/signals";
 import { classroom, followedCode } from "../../store/classroom";
@@ -8,13 +8,13 @@ type Page = ClassView["page"];
 
 const OTHER: ClassView = { page: "other", hash: "", blank: false };
 
-/** The page that a follower's browser is loading, as the lecturer has opened it; null for none. */
+/** The page that a follower's browser is loading, because the lecturer has opened it; null for none. */
 export const loadingPage = signal<Page | null>(null);
 
-/** Keep a follower on the page that the lecturer shows; `page` is this one, null one that no lecturer shows. */
+/** Keep a follower on the page that the lecturer shows. `page` is this page, null if lecturers never show it. */
 export function followPages(page: Page | null): void {
   if (followedCode === null) return;
-  // Each navigation cancels the one before: what the lecturer does meanwhile on the same page must not begin it again.
+  // Each navigation cancels the previous one. What the lecturer does meanwhile on the same page must not restart it.
   let last = page;
   effect(() => {
     const room = classroom.value;
@@ -31,12 +31,12 @@ function sendOther(): void {
   if (room && !room.isFollowed) room.send({ type: "show", view: OTHER });
 }
 
-/** On a page that cannot be followed: tell the followers so. */
+/** Report to the followers that this page cannot be followed. */
 export function showOther(): void {
   effect(sendOther);
 }
 
-/** The same, as a part of what a page shows that cannot be followed while the rest of the page can. */
+/** The same, for a part of a page that cannot be followed while the rest can. */
 export function ShowsOther() {
   useSignalEffect(sendOther);
   return null;

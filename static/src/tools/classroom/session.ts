@@ -1,4 +1,4 @@
-/** A session in a class: what the lecturer's page shows of it is sent, and the pages of the followers show the same. */
+/** A session in a class: what the lecturer's page shows of it is sent, and the followers' pages show the same. */
 
 import { effect, type Signal } from "@preact/signals";
 import { framed, type SharedView } from "../../render/view";
@@ -7,11 +7,11 @@ import type { Store } from "../../store/store";
 import type { ClassView } from "../../wire/protocol";
 import type { Audience } from "./pageInSlide";
 
-/** Least time between two messages of what is shown, and of the explanation of a cell. */
+/** Least time between two messages about what is shown, and about the explanation of a cell. */
 const SHOW_EVERY_MS = 60;
 const EXPLAIN_EVERY_MS = 500;
 
-/** Call `task` at most once in `ms`: at once, and the newest again when the time is over. */
+/** Call `task` at most once in `ms`: immediately, and with the newest value again when the time is over. */
 export function throttled<T>(task: (value: T) => void, ms: number): (value: T) => void {
   let last = Number.NEGATIVE_INFINITY;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -43,7 +43,7 @@ export function showSession(
   page: SessionPage,
   group: Signal<string>,
 ): () => void {
-  let isShown = true; // what was throttled may come later
+  let isShown = true; // throttled calls may come later
   const send: Audience["send"] = (command) => {
     if (isShown) audience.send(command);
   };
@@ -74,8 +74,8 @@ export function showSession(
 }
 
 /**
- * Let a follower's page show what the lecturer's does, until the returned function is called; `groups` are the ids of
- * the groups of controls that the follower's page has, null for all.
+ * Make a follower's page show what the lecturer's does, until the returned function is called. `groups` are the ids of
+ * the groups of controls on the follower's page, null for all.
  */
 export function followSession(
   room: Classroom,

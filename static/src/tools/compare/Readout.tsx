@@ -19,7 +19,7 @@ interface CellReading {
   readonly state: CellState | "never observed";
 }
 
-/** The cell of a map at a point: with the server's exact value if that is up to date. Null outside the map. */
+/** The cell of a map at a point, with the server's exact value if that is up to date. Null outside the map. */
 function cellAt(
   map: MapPicture | null,
   place: readonly [number, number],
@@ -100,7 +100,7 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
         : a.logOdds + b.logOdds - summedOver;
   const states = now ? `${a?.state ?? "outside A"} → ${b?.state ?? "outside B"}` : "point at a cell";
   const place = store.pinned.value;
-  // Announced when another cell is inspected, not each time that its value changes.
+  // Announced when another cell is inspected, not when its value changes.
   const at = now?.cell ? `${now.cell.row} ${now.cell.col}` : "";
   const words = useMemo(
     () =>

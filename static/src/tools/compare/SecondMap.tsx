@@ -1,4 +1,4 @@
-/** The second map of a simulation's readings, in the picture of the first: its names, and how both are shown. */
+/** The second map of a simulation's readings, in the picture of the first: its names, and the view mode. */
 
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
@@ -13,7 +13,7 @@ export function useComparison(store: Store | null): Comparison | null {
   const comparison = useMemo(() => store && new Comparison(store), [store]);
   useEffect(() => {
     const stop = comparison?.start();
-    // A simulation explains the cells of its own map only.
+    // A simulation only explains the cells of its own map.
     if (store) store.mapAt = null;
     return stop;
   }, [comparison]);
@@ -28,7 +28,7 @@ export function secondMapNames(compared: Compared): { readonly a: string; readon
     : { a: "without the clamp", b: "with it" };
 }
 
-/** In what the correct map differs from the map, with the labels of the parameter panel. */
+/** The differences of the correct map from the map, with the labels of the parameter panel. */
 function differenceText(store: Store, compared: Compared): string {
   const table = store.hello.value?.parameters.table ?? [];
   const parts = Object.entries(compared.values).map(([name, value]) => {
@@ -45,7 +45,7 @@ const MODES = [
   { value: "difference", label: "Difference" },
 ] satisfies { value: ViewMode; label: string }[];
 
-/** What the second map is, and how both are shown; nothing while there is one map. */
+/** A description of the second map, and the view mode; nothing if there is only one map. */
 export function SecondMapChoice({ store, comparison }: { readonly store: Store; readonly comparison: Comparison }) {
   const compared = store.compared.value;
   if (!compared) return null;

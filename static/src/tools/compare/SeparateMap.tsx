@@ -1,4 +1,4 @@
-/** The second map of a comparison in a picture of its own, which has the view, the pointer and the cursor of the first. */
+/** The second map of a comparison in a separate picture, with the view, the pointer and the cursor of the first. */
 
 import { useLayoutEffect } from "preact/hooks";
 import { centreOf } from "../../grid/lattice";
@@ -15,7 +15,7 @@ interface SeparateMapProps {
 }
 
 export function SeparateMap({ store, comparison }: SeparateMapProps) {
-  // Before the picture of both maps is drawn once.
+  // Before the picture of both maps is first drawn.
   useLayoutEffect(() => {
     comparison.isApart.value = true;
     return () => {

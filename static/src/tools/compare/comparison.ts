@@ -1,4 +1,4 @@
-/** The comparison of two maps in one picture: its view mode, and the layers that are drawn. */
+/** The comparison of two maps in one picture: its view mode, and the layers drawn. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { CombinedMap, type CommonLattice, commonLattice, mergedCodes, whyNoMerge } from "../../render/map/combinedMap";
@@ -24,17 +24,17 @@ interface Pair {
   readonly lattice: CommonLattice | null;
 }
 
-/** Shows the second map of a session in the picture of the first, while there is one. */
+/** Shows the second map of a session in the picture of the first, if there is one. */
 export class Comparison {
   readonly mode = signal<ViewMode>("swipe");
-  /** Where the divider is, 0 … 1 of the picture's width. */
+  /** Position of the divider, 0 to 1 of the picture's width. */
   readonly divider = signal(0.5);
   readonly blinkS = signal<number>(1);
   /** Whether the maps alternate automatically. */
   readonly blinks = signal(!reducedMotion.peek());
   /** Which of the two is shown while they blink. */
   readonly shown = signal<"a" | "b">("a");
-  /** Whether A has a picture of its own, so that the picture of B shows B alone. */
+  /** Whether A has a separate picture, so that the picture of B shows only B. */
   readonly isApart = signal(false);
   readonly marked = signal<Marked | null>(null);
   /** Whether the session compares its map. */
@@ -42,7 +42,7 @@ export class Comparison {
   readonly pair: ReadonlySignal<Pair | null>;
   /** Why A and B cannot be added; null if they can. */
   readonly noMerge: ReadonlySignal<string | null>;
-  /** The log-odds prior, which their sum counts once, while the sum is displayed; null otherwise. */
+  /** The log-odds prior, which the sum of both maps counts once, while the sum is displayed; null otherwise. */
   readonly summedOver: ReadonlySignal<number | null>;
   readonly #store: Store;
   readonly #difference: ReadonlySignal<CombinedMap | null>;
@@ -79,7 +79,7 @@ export class Comparison {
     });
   }
 
-  /** The cells that `codes` make of both maps; null while it makes none, or the maps have no lattice in common. */
+  /** The cells that `codes` computes from both maps; null if there are none, or the maps have no common lattice. */
   #combined(codes: () => ((a: MapPicture, b: MapPicture) => Uint8Array) | null): ReadonlySignal<CombinedMap | null> {
     let last: CombinedMap | null = null;
     return computed(() => {
@@ -92,7 +92,7 @@ export class Comparison {
     });
   }
 
-  /** Subscribe to the second map while there is one, and let the maps blink; the result stops it. */
+  /** Subscribe to the second map while there is one, and make the maps blink. The result stops it. */
   start(): () => void {
     const store = this.#store;
     const stops = [
@@ -186,8 +186,8 @@ export class Comparison {
   }
 
   /**
-   * The part of the picture in which B's trajectory and beams are drawn: all of it if both maps have the same poses, none
-   * over a difference or a sum.
+   * The part of the picture in which B's trajectory and beams are drawn: all of it if both maps have the same poses,
+   * none over a difference or a sum.
    */
   ownPart(): readonly [from: number, to: number] {
     const compared = this.#store.compared.peek();

@@ -1,4 +1,4 @@
-/** The beginning and the end of the costmap: by a group that shows it, and by buttons. */
+/** Starting and ending the costmap: by opening a group that shows it, and by buttons. */
 
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
@@ -7,8 +7,8 @@ import { PLAN, SPEED_LIMITS } from "./paint";
 import { costmapOf } from "./state";
 
 /**
- * Begin the costmap of a session, unless the user has ended it; receive the path and what is laid over the belief, and
- * give the user the tools of the map while a group shows them.
+ * Begin the costmap of a session, unless the user has ended it. While a group shows them, subscribe to the path and the
+ * layers over the belief, and enable the tools of the map.
  */
 export function useCostmap(store: Store): void {
   const { layers } = store;

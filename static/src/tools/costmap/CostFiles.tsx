@@ -3,7 +3,7 @@ import { FileButton } from "../files/FileButton";
 
 interface CostFilesProps {
   readonly session: string;
-  /** What is painted. */
+  /** The painted strokes. */
   readonly strokes?: readonly BrushStroke[];
 }
 
@@ -21,7 +21,7 @@ const SPEED = [
   ["speed.yaml", "Speed limits yaml"],
 ] as const;
 
-/** The present costs of a session as files, and the painted zones as a mask. */
+/** The current costs of a session as files, and the painted zones as a mask. */
 export function CostFiles({ session, strokes = [] }: CostFilesProps) {
   const painted = strokes.filter(({ erases }) => !erases);
   const hasKeepout = painted.some(({ speed }) => speed == null);

@@ -4,13 +4,13 @@ import { costmapOf } from "./state";
 
 interface CostmapOverProps {
   readonly store: Store;
-  /** What the static layer stands on while it is switched on. */
+  /** The map of the static layer while it is switched on. */
   readonly map: string;
   readonly label: string;
   readonly title: string;
 }
 
-/** Whether the costmap stands on another map than the belief. */
+/** Whether the costmap uses another map than the belief. */
 export function CostmapOver({ store, map, label, title }: CostmapOverProps) {
   const state = costmapOf(store);
   const isOn = state.costmap.value?.is_on === true && state.values.values.value.map === map;

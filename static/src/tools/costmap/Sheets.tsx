@@ -1,4 +1,4 @@
-/** The layers of the costmap in an exploded view: the same cell is marked on each sheet, with its costs. */
+/** The layers of the costmap in an exploded view. The same cell is marked on each sheet, with its costs. */
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -28,20 +28,20 @@ import {
 import { costmapOf } from "./state";
 import { LAYER_NAMES } from "./WhyCost";
 
-/** How much the floor of a sheet hides of the sheets below it, and that of the one in front. */
+/** Opacity of a sheet's floor over the sheets below it, and that of the one in front. */
 const FLOOR = 0.72;
 const FLOOR_IN_FRONT = 0.94;
 
 type Colours = typeof pictureColours.value;
 
-/** A sheet's costs, the image that keeps them painted, and whether its layer is switched on. */
+/** A sheet's costs, the image in which they are cached, and whether its layer is switched on. */
 interface SheetContent {
   readonly map: MapPicture | null;
   readonly image: Sheet;
   readonly isOn: boolean;
 }
 
-/** Paint the sheets from the bottom up; the sheet `front` is seen whole. */
+/** Paint the sheets from the bottom up; the sheet `front` is completely visible. */
 function paintSheets(
   ctx: CanvasRenderingContext2D,
   ratio: number,
@@ -81,7 +81,7 @@ function paintSheets(
   }
 }
 
-/** Mark a cell on all sheets, and write its cost beside each. */
+/** Mark a cell on all sheets, and write its cost next to each. */
 export function paintCell(
   ctx: CanvasRenderingContext2D,
   ratio: number,
@@ -124,7 +124,7 @@ export function paintCell(
   });
 }
 
-/** The sheets from the bottom up: the layers, and the costs of all of them. */
+/** The sheets from the bottom up: the layers, and the total costs. */
 const SHEETS = [
   "static_layer",
   "obstacle_layer",
@@ -141,7 +141,7 @@ const FIRST_GAP = 50;
 const OPENING_MS = 500;
 const SLOP = 4;
 
-/** The cells of a world, with a little around it. */
+/** The cells of a world, with a margin. */
 function windowOf(store: Store, geometry: Geometry): Window {
   const bounds = store.world.peek()?.bounds;
   if (!bounds) return { row0: 0, rows: geometry.rows, col0: 0, cols: geometry.cols };
@@ -151,7 +151,7 @@ function windowOf(store: Store, geometry: Geometry): Window {
   return { row0, col0, rows: Math.min(geometry.rows, high.row) - row0, cols: Math.min(geometry.cols, high.col) - col0 };
 }
 
-/** The sheets of the layers that the session has: that of a terrain comes and goes with it. */
+/** The sheets of the session's layers; that of a terrain exists only with the terrain. */
 export function Sheets({ store }: { readonly store: Store }) {
   const hasTerrain = store.layers.infos.value.some(({ name }) => name === TERRAIN);
   const names = hasTerrain ? SHEETS : SHEETS.filter((name) => name !== TERRAIN);

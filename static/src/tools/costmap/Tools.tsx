@@ -1,4 +1,4 @@
-/** What a click on the maps does while a group of the costmap is open. */
+/** The effect of a click on the maps while a group of the costmap is open. */
 
 import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
@@ -104,7 +104,7 @@ function Limit({ store }: { readonly store: Store }) {
   );
 }
 
-/** Which grid is laid over the belief. */
+/** Which grid is drawn over the belief. */
 export function OverChoice({ store }: { readonly store: Store }) {
   const { over } = costmapOf(store);
   return (

@@ -1,4 +1,4 @@
-/** Why a cell has its cost: what each layer says of it. */
+/** Why a cell has its cost: the contribution of each layer. */
 
 import { effect, untracked, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
@@ -39,7 +39,7 @@ export function WhyCost({ store }: { readonly store: Store }) {
       }, LEAST_MS);
     };
     const stop = effect(() => {
-      // A cost depends on the parameters, on the costs around it, whose changes plan the path again, and on the scans.
+      // A cost depends on the parameters, on the scans, and on the costs around it, whose changes cause replanning.
       void [costmap.value, path.value, scans.value];
       if (timer === undefined) untracked(ask);
       else isStale = true;

@@ -1,8 +1,8 @@
-/** The outline of the robot as a polygon: whether it crosses itself, as `Footprint` in mapper/costmap/footprint.py. */
+/** The outline of the robot as a polygon that must not cross itself, as in mapper/costmap/footprint.py. */
 
 import type { Point } from "../../wire/protocol";
 
-/** Outlines to begin with, m. */
+/** Initial outlines, m. */
 export const OUTLINES: readonly { readonly label: string; readonly corners: readonly Point[] }[] = [
   { label: "Hexagon", corners: hexagon(0.231) },
   { label: "Rectangle", corners: rectangle(0.35, 0.22) },
@@ -25,7 +25,7 @@ function rectangle(x: number, y: number): readonly Point[] {
   ];
 }
 
-/** Whole millimetres. */
+/** Round to whole millimetres. */
 export function rounded(value: number): number {
   return Math.round(value * 1000) / 1000;
 }
@@ -51,7 +51,7 @@ function meet(a: Point, b: Point, c: Point, d: Point): boolean {
   return ends.some(([p, q, r], i) => turns[i] === 0 && isBetween(p, q, r));
 }
 
-/** Why a polygon cannot be the outline of a robot; null where it can. */
+/** Why a polygon cannot be the outline of a robot; null if it can. */
 export function refusalOf(corners: readonly Point[]): string | null {
   const n = corners.length;
   const at = (i: number): Point => corners[i % n] as Point;

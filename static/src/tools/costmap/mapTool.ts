@@ -1,4 +1,4 @@
-/** What the tools of the costmap do in the pictures: set the goal, paint keepout zones and speed limits, ask for a cost. */
+/** The costmap's tools in the pictures: set the goal, paint keepout zones and speed limits, query a cost. */
 
 import type { Store } from "../../store/store";
 import type { BrushStroke, Point } from "../../wire/protocol";
@@ -19,7 +19,7 @@ const isBrush = (store: Store): boolean => {
 export const paints = (store: Store): boolean =>
   isBrush(store) && costmapOf(store).costmap.peek()?.is_on === true && store.editing.tool.peek() === null;
 
-/** Use the tool at a place that was clicked; false if there is none. */
+/** Use the tool at a clicked place; false if there is none. */
 export function useTool(store: Store, point: Point): boolean {
   const state = costmapOf(store);
   const tool = state.tool.peek();
@@ -33,7 +33,7 @@ export function useTool(store: Store, point: Point): boolean {
   return true;
 }
 
-/** Whether the goal is drawn near a place of the screen, for which `at` gives the screen's place of a point. */
+/** Whether the goal is drawn near a place on the screen; `at` returns the screen position of a point. */
 export function isOnGoal(store: Store, x: number, y: number, reach: number, at: (point: Point) => Point): boolean {
   const goal = pathOf(store).path.peek()?.goal;
   if (!goal || !costmapOf(store).costmap.peek()?.is_on) return false;
@@ -41,7 +41,7 @@ export function isOnGoal(store: Store, x: number, y: number, reach: number, at: 
   return Math.hypot(x - gx, y - gy) <= GRAB_PX + reach;
 }
 
-/** A stroke of the brush from `from` so far to `to`, null where it was cancelled. */
+/** A stroke of the brush from `from` so far to `to`, null if it was cancelled. */
 export function brushStroke(store: Store, from: Point | null, to: Point | null, isDone: boolean): void {
   if (!from || !to) {
     cancel(store);

@@ -1,4 +1,4 @@
-/** What the pictures show of the costmap and the path: costs over the belief, the path, the goal, painted zones. */
+/** Drawing of the costmap and the path in the pictures: costs over the belief, the path, the goal, painted zones. */
 
 import { cellAt } from "../../grid/lattice";
 import { costOfByte } from "../../render/map/costColours";
@@ -14,7 +14,7 @@ import { costmapOf } from "./state";
 
 const isAbsolute = (kind: Value | undefined): boolean => kind === "absolute";
 
-/** The unit of the limits and the limit of a value 1 of the mask. */
+/** The unit of the limits, and the limit for a mask value of 1. */
 export const limitUnit = (kind: Value | undefined): { readonly unit: string; readonly step: number } =>
   isAbsolute(kind) ? { unit: "m/s", step: 0.01 } : { unit: "%", step: 1 };
 
@@ -30,7 +30,7 @@ export const PLAN = "plan";
 export const SPEED_LIMITS = "speed_filter";
 const GOAL_PX = 9;
 
-/** The grids that are laid over the belief: costs or potential, and the speed limits. */
+/** The grids drawn over the belief: costs or potential, and the speed limits. */
 export function costsOver(store: Store): readonly Layer[] {
   const name = costmapOf(store).over.peek();
   const map = name === null ? null : store.layers.grid(name).map.peek();
@@ -84,7 +84,7 @@ function paintPlan(brush: Brush, content: LayerContent): void {
 
 OVERLAYS[PLAN] = paintPlan;
 
-/** Paint the outline of the robot, the painted zones, the point that it aims at and the goal. */
+/** Paint the outline of the robot, the painted zones, the target point of the pursuit and the goal. */
 export function paintNavigation(store: Store, brush: Brush): void {
   const state = costmapOf(store);
   const costmap = state.costmap.peek();
@@ -122,7 +122,7 @@ function outlineStroke({ ctx, view, size, colours }: Brush, { width, erases, poi
   ctx.lineJoin = "miter";
 }
 
-/** The limit that a stroke painted, where it still holds in the stroke's middle; null for none. */
+/** The limit that a stroke painted, if it still applies at the stroke's middle; null for none. */
 function limitOf(store: Store, { points, speed }: BrushStroke): number | null {
   const limits = store.layers.grid(SPEED_LIMITS).map.peek();
   const place = middleOf(points);
@@ -167,7 +167,7 @@ function paintOutline({ ctx, view, size, colours }: Brush, corners: readonly Poi
   ctx.stroke();
 }
 
-/** The point ahead that the robot aims at, and the way there. */
+/** The point ahead that the robot pursues, and the line to it. */
 function paintCarrot({ ctx, view, size, colours }: Brush, carrot: Point, [x, y]: Pose): void {
   const [cx, cy] = toScreen(view, size, ...carrot);
   ctx.beginPath();
@@ -185,7 +185,7 @@ function paintCarrot({ ctx, view, size, colours }: Brush, carrot: Point, [x, y]:
   ctx.stroke();
 }
 
-/** The goal: a ring with a dot, crossed out where no path leads there. */
+/** The goal: a ring with a dot, crossed out if no path leads there. */
 function paintGoal({ ctx, view, size, colours }: Brush, goal: Point, isHeld: boolean, isRefused: boolean): void {
   const [x, y] = toScreen(view, size, ...goal);
   const radius = isHeld ? 1.3 * GOAL_PX : GOAL_PX;

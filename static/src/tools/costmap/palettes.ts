@@ -1,4 +1,4 @@
-/** The palettes of costs and of the potential: alone on a sheet, and laid over the belief. */
+/** The palettes of costs and of the potential: alone on a sheet, and drawn over the belief. */
 
 import { costColours, potentialColours, speedColours } from "../../render/map/costColours";
 import { PALETTES, type Palette } from "../../render/map/palettes";

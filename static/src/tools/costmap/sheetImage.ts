@@ -2,12 +2,12 @@ import type { MapPicture } from "../../render/map/mapPicture";
 import type { Palette } from "../../render/map/palettes";
 import { TILE } from "../../wire/protocol";
 
-/** A grid as an image, a pixel for each cell, row 0 first; painted again only where its cells have changed. */
+/** A grid as an image, one pixel per cell, row 0 first. It is painted again only where its cells have changed. */
 export class Sheet {
   #image: HTMLCanvasElement | null = null;
   #key: readonly unknown[] = [];
 
-  /** The image of a map in the colours of a palette, which `theme` stands for. */
+  /** The image of a map in the colours of a palette; `theme` identifies the palette. */
   of(map: MapPicture, palette: Palette, theme: unknown): HTMLCanvasElement | null {
     const key = [map.cells, map.cells.revision, theme];
     if (this.#image && key.every((part, i) => part === this.#key[i])) return this.#image;

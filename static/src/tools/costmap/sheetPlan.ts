@@ -3,7 +3,7 @@
 import type { Cell } from "../../grid/lattice";
 import type { Point } from "../../wire/protocol";
 
-/** How far a row leans to the right, and how flat it is, as shares of a column's width. */
+/** Shift of a row to the right, and its height, as shares of a column's width. */
 const LEAN = 0.45;
 const FLAT = 0.4;
 
@@ -25,7 +25,7 @@ export interface SheetPlan {
   readonly height: number;
 }
 
-/** Sheets as wide as the picture, with `gaps` px between one and the next, the lowest at the bottom. */
+/** Sheets as wide as the picture, separated by `gaps` px, the lowest at the bottom. */
 export function sheetPlan(window: Window, width: number, height: number, gaps: readonly number[]): SheetPlan {
   const most = (height - sum(gaps)) / (FLAT * window.rows);
   const scale = Math.max(0.1, Math.min(width / (window.cols + LEAN * window.rows), most));
@@ -50,19 +50,19 @@ export function transformOf(
   return [scale, 0, c, d, x - scale * window.col0 - c * window.row0, y - d * window.row0];
 }
 
-/** The place of a point in cells (column, row) on a sheet. */
+/** The position of a point in cells (column, row) on a sheet. */
 export function placeOn(plan: SheetPlan, corner: Point, u: number, v: number): Point {
   const [a, , c, d, e, f] = transformOf(plan, corner);
   return [a * u + c * v + e, d * v + f];
 }
 
-/** The numbers of the sheets in the order in which they are painted: from the bottom up, the one in front last. */
+/** The indices of the sheets in painting order: from the bottom up, the one in front last. */
 export function paintOrder(count: number, front: number | null): readonly number[] {
   const others = Array.from({ length: count }, (_, n) => n).filter((n) => n !== front);
   return front === null ? others : [...others, front];
 }
 
-/** The topmost sheet at a place of the picture, and the cell there; null beside all of them. */
+/** The topmost sheet at a place of the picture, and the cell there; null outside of all sheets. */
 export function cellOn(plan: SheetPlan, x: number, y: number): { readonly sheet: number; readonly cell: Cell } | null {
   const { row0, rows, col0, cols } = plan.window;
   for (let sheet = plan.corners.length - 1; sheet >= 0; sheet--) {
@@ -75,7 +75,7 @@ export function cellOn(plan: SheetPlan, x: number, y: number): { readonly sheet:
   return null;
 }
 
-/** The gaps after the sheet `n` was dragged up by `by` px from where it had `before`, within what there is room for. */
+/** The gaps after the sheet `n` was dragged up by `by` px from the gaps `before`, within the available room. */
 export function draggedGaps(before: readonly number[], n: number, by: number, most: number): readonly number[] {
   const room = most - sum(before.filter((_, i) => i !== n - 1));
   return before.map((gap, i) =>

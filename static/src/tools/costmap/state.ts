@@ -1,34 +1,34 @@
-/** What the user does with the costmap: the tool of the map, the stroke being painted, the place that is asked about. */
+/** The user's state of the costmap: the tool of the map, the stroke being painted, the queried place. */
 
 import { type Signal, signal } from "@preact/signals";
 import type { Optimistic } from "../../store/optimistic";
 import type { Store } from "../../store/store";
 import type { BrushStroke, CostMessage, CostmapMessage, Point } from "../../wire/protocol";
 
-/** What a click on a map does while a group of the costmap is open. */
+/** The effect of a click on a map while a group of the costmap is open. */
 export type MapTool = "goal" | "keepout" | "speed" | "erase" | "cost";
 
-/** What is laid over the belief: the name of a grid. */
+/** The grid drawn over the belief, by name. */
 export type Over = "costmap" | "potential";
 
 class CostmapState {
   /** Null if no group of the costmap is open. */
   readonly tool = signal<MapTool | null>(null);
-  /** The tool that is taken when such a group opens. */
+  /** The tool that is selected when such a group opens. */
   readonly lastTool = signal<MapTool>("goal");
   /** Width of the brush, m. */
   readonly brush = signal(0.5);
   /** The limit that the brush paints: the value of the speed filter's mask, 1 … 100. */
   readonly limit = signal(40);
-  /** The stroke that is being painted. */
+  /** The stroke being painted. */
   readonly stroke = signal<BrushStroke | null>(null);
-  /** All strokes before it. */
+  /** All earlier strokes. */
   readonly painted = signal<readonly BrushStroke[]>([]);
   /** The place whose cost is explained. */
   readonly asked = signal<Point | null>(null);
   /** The grid over the belief. */
   readonly over = signal<Over | null>(null);
-  /** Whether the user has ended the costmap: it does not begin by itself then. */
+  /** Whether the user has ended the costmap; it then does not begin automatically. */
   readonly isEnded: Signal<boolean>;
 
   /** The newest messages; null before the first. */

@@ -10,7 +10,7 @@ const TOOLS: readonly { readonly tool: Tool; readonly icon: IconName; readonly l
   { tool: "erase", icon: "erase", label: "Erase" },
 ];
 
-/** The tools that edit the world: a wall, a box, the eraser. Pressed again, a tool is put away. */
+/** The tools that edit the world: a wall, a box, the eraser. Pressing a selected tool deselects it. */
 export function Toolbar({ store }: { readonly store: Store }) {
   const now = store.editing.tool.value;
   return (
@@ -32,7 +32,7 @@ export function Toolbar({ store }: { readonly store: Store }) {
   );
 }
 
-/** One line on what the selected tool does; nothing without one. */
+/** One line about the selected tool; empty without one. */
 export function ToolHint({ store }: { readonly store: Store }) {
   switch (store.editing.tool.value) {
     case "wall":

@@ -1,4 +1,4 @@
-/** What the tools are about to do, drawn over the world; and the faces from which no beam returns. */
+/** The edit in progress, drawn over the world; and the faces from which no beam returns. */
 
 import { type Brush, tracePolygon } from "../../render/picture/brush";
 import { toScreen } from "../../render/view";

@@ -3,16 +3,16 @@
 import { WALL_THICKNESS } from "../../wire/constants";
 import type { DrawnSolid, Edits, Point, WorldMessage } from "../../wire/protocol";
 
-/** Corners lie on multiples of this, metres. */
+/** Corners are at multiples of this, metres. */
 const SNAP = 0.05;
-/** A wall this near to upright or level becomes so, radians. */
+/** A wall closer than this to vertical or horizontal is aligned, radians. */
 const STRAIGHT = 0.09;
-/** A stroke shorter than this is a slip of the hand, metres. */
+/** A stroke shorter than this is ignored as unintentional, metres. */
 const LEAST = 0.1;
 
 const centimetres = (metres: number): number => Math.round(metres / SNAP) * Math.round(SNAP * 100);
 
-/** What a stroke from one place to another draws; null for one too short, or too thin, to be anything. */
+/** The solid drawn by a stroke from one place to another; null if it is too short or too thin. */
 export function shapeOfStroke(kind: "wall" | "box", from: Point, to: Point): DrawnSolid | null {
   let [x, y] = to;
   const dx = x - from[0];
@@ -27,7 +27,7 @@ export function shapeOfStroke(kind: "wall" | "box", from: Point, to: Point): Dra
   return (kind === "wall" ? Math.hypot(width, height) : Math.min(width, height)) < LEAST ? null : made;
 }
 
-/** The outline of what was drawn, as mapper/simulation/edits.py makes it. */
+/** The outline of the drawn solid, as in mapper/simulation/edits.py. */
 export function outline([kind, ...corners]: DrawnSolid): readonly Point[] {
   const [x0, y0, x1, y1] = corners.map((value) => value / 100) as [number, number, number, number];
   if (kind === "box") {
@@ -79,13 +79,13 @@ function distance(polygon: readonly Point[], [x, y]: Point): number {
   return best;
 }
 
-/** Whether a solid is a piece of the outer wall, which holds the world together. */
+/** Whether a solid is part of the outer wall, which must not be erased. */
 function isOuter(polygon: readonly Point[], [x0, y0, x1, y1]: WorldMessage["bounds"]): boolean {
   const near = (a: number, b: number): boolean => Math.abs(a - b) < 1e-3;
   return polygon.some(([x, y]) => near(x, x0) || near(x, x1) || near(y, y0) || near(y, y1));
 }
 
-/** Which polygon of the world is meant by a place: one that holds it, or the nearest within `reach` metres. */
+/** The polygon of the world that a place selects: one that contains it, or the nearest within `reach` metres. */
 export function solidAt(world: WorldMessage, point: Point, reach: number): number | null {
   let best: number | null = null;
   let least = reach;
@@ -100,7 +100,7 @@ export function solidAt(world: WorldMessage, point: Point, reach: number): numbe
   return best;
 }
 
-/** The edits without a polygon of the world as it is now. */
+/** The edits that remove a polygon from the current world. */
 export function editsWithout(world: WorldMessage, polygon: number): Edits {
   const id = world.ids[polygon];
   const { added, erased } = world.edits;

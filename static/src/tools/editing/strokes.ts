@@ -1,13 +1,13 @@
-/** What the editing tools do to a store's world, by pointer and by keyboard. */
+/** The effect of the editing tools on a store's world, by pointer and by keyboard. */
 
 import type { Store } from "../../store/store";
 import type { Point } from "../../wire/protocol";
 import { clampedToWorld, editsWithout, shapeOfStroke, solidAt } from "./shapes";
 
-/** How far beside a solid the eraser still takes it, CSS pixels. */
+/** Distance from a solid at which the eraser still selects it, CSS pixels. */
 const ERASER_PX = 10;
 
-/** A stroke of the selected tool: a sketch while it lasts, an edit when it is done, nothing where it is broken off. */
+/** A stroke of the selected tool: a sketch while it lasts, an edit when it is done, nothing if it is cancelled. */
 export function stroke(store: Store, from: Point | null, to: Point | null, isDone: boolean): void {
   const { editing } = store;
   const world = store.world.peek();
@@ -21,7 +21,7 @@ export function stroke(store: Store, from: Point | null, to: Point | null, isDon
   if (isDone && made) store.edit({ added: [...world.edits.added, made], erased: world.edits.erased });
 }
 
-/** The polygon that the eraser would take at a place; null for none. */
+/** The polygon that the eraser would select at a place; null for none. */
 export function underEraser(store: Store, point: Point | null): number | null {
   const world = store.world.peek();
   const view = store.view.peek();
@@ -29,7 +29,7 @@ export function underEraser(store: Store, point: Point | null): number | null {
   return solidAt(world, point, ERASER_PX * view.scale);
 }
 
-/** What a click on a place of the world edits, or Enter at the keyboard's cursor, with the selected tool. */
+/** The edit by a click on a place of the world, or Enter at the keyboard's cursor, with the selected tool. */
 export function editAt(store: Store, point: Point, isKey: boolean): void {
   const { editing } = store;
   const world = store.world.peek();

@@ -1,6 +1,6 @@
 /**
- * An example of the pages' side of a session kind, whole in one file: its name, the palette of its grid and the painter
- * of its points. The server's side is `tests/server/sessions/waves_kind.py`.
+ * A complete example of the pages' side of a session kind in one file: its name, the palette of its grid and the
+ * painter of its points. The server's side is `tests/server/sessions/waves_kind.py`.
  */
 
 import { PALETTES, type Palette, plain } from "../../render/map/palettes";
@@ -36,7 +36,7 @@ const paintFloats: Overlay = ({ ctx, view, size }, content) => {
   }
 };
 
-/** Let the pages know this kind. */
+/** Register this kind in the pages. */
 export function registerWaves(): void {
   KINDS.waves = { isDriven: false, hasRobot: false };
   PALETTES.height = () => HEIGHT;

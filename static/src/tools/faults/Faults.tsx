@@ -70,7 +70,7 @@ export function Faults({ store, comparison }: FaultsProps) {
 
 type Labels = readonly { readonly name: string; readonly label: string; readonly unit: string }[];
 
-/** The parameters that a fault has changed, with their present and previous values. */
+/** The parameters that a fault has changed, with their current and previous values. */
 function sentence(fault: Fault, before: Values, table: Labels): string {
   const row = (name: string): Labels[number] | undefined => table.find((row) => row.name === name);
   const text = (name: string, value: Value | undefined): string => {

@@ -1,6 +1,4 @@
-/**
- * Faults: the parameters that each of them sets, and what to look for. Switching a fault off restores the parameters.
- */
+/** Faults: the parameters that each of them sets, and its effects. Switching a fault off restores the parameters. */
 
 import type { ActiveFaults } from "../../store/sessionSignals";
 import type { Parameter, Value, Values } from "../../wire/protocol";
@@ -14,7 +12,7 @@ export interface Fault {
   readonly sets: Values;
   /** Faults of the robot itself. */
   readonly robot?: Values;
-  /** Parameters of the correct map, where they are not those from before the fault. */
+  /** Parameters of the correct map that differ from those before the fault. */
   readonly right?: Values;
 }
 
@@ -68,7 +66,7 @@ export const FAULTS: readonly Fault[] = [
 
 const named = (name: string): Fault | undefined => FAULTS.find((fault) => fault.name === name);
 
-/** The faults that can be made with the parameters of a table. */
+/** The faults that can be produced with the parameters of a table. */
 export function availableFaults(table: readonly Parameter[]): readonly Fault[] {
   return FAULTS.filter((fault) =>
     Object.entries(fault.sets).every(([name, value]) => {
@@ -79,7 +77,7 @@ export function availableFaults(table: readonly Parameter[]): readonly Fault[] {
 }
 
 /**
- * Whether a fault is still active: a slider may have ended it. With `robot` null, faults of the robot count as active.
+ * Whether a fault is still active; a slider may have ended it. If `robot` is null, the robot's faults count as active.
  */
 export function isOn(wrong: ActiveFaults, fault: Fault, values: Values, robot: Values | null): boolean {
   return (

@@ -8,11 +8,11 @@ import { type Fault, stillActive, switchFault } from "./model";
 
 const NO_FAULTS: Values = {};
 
-/** The active faults: those that were switched on and that no slider and no undo has ended. */
+/** The active faults: those that were switched on and not ended by a slider or by undo. */
 export const activeNow = (store: Store): ReadonlySignal<ActiveFaults> =>
   computed(() => stillActive(store.activeFaults.value, store.mapping.values.value, store.faults.value ?? NO_FAULTS));
 
-/** Switch a fault on or off, and with it others of the robot; return the faults that are then active. */
+/** Switch a fault on or off, together with others of the robot; return the faults that are then active. */
 export function turnFault(store: Store, fault: Fault, wanted: boolean, also: Values = {}): ActiveFaults {
   // The state of the robot may be older than the previous switch, so it is not used here.
   const known = stillActive(store.activeFaults.peek(), store.mapping.values.peek(), null);

@@ -5,7 +5,7 @@ import { fileAddress, type SessionFile } from "../../wire/ask";
 interface FileButtonProps {
   readonly session: string;
   readonly file: SessionFile;
-  /** Accessible name and title, where the text does not say enough. */
+  /** Accessible name and title, if the text is not sufficient. */
   readonly label?: string;
   readonly kind?: "quiet";
   readonly children: ComponentChildren;

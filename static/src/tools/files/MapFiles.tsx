@@ -2,12 +2,12 @@ import { Button } from "../../ui/Button";
 import { addressOf } from "../../wire/ask";
 import { FileButton } from "./FileButton";
 
-/** Milliseconds after which the second file of a pair is of a new instant. */
+/** Milliseconds after which the second file of a pair gets a new instant. */
 const PAIR_MS = 600_000;
 
 /**
- * Names of the instants of maps whose files are downloaded one after the other. Files of a session that are asked for
- * with the same name are of the same map, and their file names end in it. No name is given to two pairs.
+ * Names of the instants of maps whose files are downloaded one after the other. Files of a session requested with the
+ * same name are of the same map, and their file names end in it. No two pairs have the same name.
  */
 export class MapSnapshots {
   private session = "";
@@ -17,8 +17,8 @@ export class MapSnapshots {
   private readonly names = new Set<string>();
 
   /**
-   * Return the name for a file of a kind: that of the session's file of the other kind before it, else the time now,
-   * or the first second after it that is not the name of an earlier pair.
+   * Return the name for a file of a kind: that of the session's preceding file of the other kind, otherwise the current
+   * time, or the first later second that is not the name of an earlier pair.
    */
   next(session: string, kind: string, now: Date): string {
     const isLate = now.getTime() - this.begun > PAIR_MS;
@@ -42,14 +42,14 @@ export class MapSnapshots {
   }
 }
 
-/** Local time in letters that any file name takes: 2026-01-31_09-05-59. */
+/** Local time in characters that any file name allows: 2026-01-31_09-05-59. */
 function localTime(time: Date): string {
   const two = (value: number): string => String(value).padStart(2, "0");
   const date = [time.getFullYear(), two(time.getMonth() + 1), two(time.getDate())].join("-");
   return `${date}_${[time.getHours(), time.getMinutes(), time.getSeconds()].map(two).join("-")}`;
 }
 
-/** One for the page: the names differ from pair to pair in all sessions that it shows. */
+/** One for the page, so that the names differ from pair to pair in all sessions that it shows. */
 const snapshots = new MapSnapshots();
 
 /** Buttons that download a session's map: pgm and yaml, which are of one instant, and png. */
@@ -79,7 +79,7 @@ export function MapFiles({ session }: { readonly session: string }) {
   );
 }
 
-/** Download a file under the name that the server gives it. */
+/** Download a file under the name that the server chooses. */
 function save(address: string): void {
   const link = document.createElement("a");
   link.href = address;

@@ -8,12 +8,12 @@ import type { Values } from "../../wire/protocol";
 import "./localization.css";
 
 interface AmclYamlProps {
-  /** Those that are saved. */
+  /** The values to save. */
   readonly values: () => Values;
   readonly onOpen: (values: Values) => void;
 }
 
-/** The parameters of localization from the yaml of an AMCL, and as one. */
+/** The parameters of localization, read from and written to an AMCL yaml file. */
 export function AmclYaml({ values, onOpen }: AmclYamlProps) {
   const input = useRef<HTMLInputElement>(null);
   const opened = useRef<Omit<AmclParameters, "values" | "notes">>({ layout: "nav2", others: {} });
@@ -73,7 +73,7 @@ export type { AmclParameters };
 const readAmclYaml = (file: File): Promise<AmclParameters> =>
   ask("PUT /api/localization/parameters", {}, { body: file });
 
-/** Parameters as the yaml of an AMCL. */
+/** Parameters as an AMCL yaml file. */
 async function amclYaml({ values, layout, others }: Omit<AmclParameters, "notes">): Promise<Blob> {
   const options = { query: { layout }, body: { ...others, ...values } };
   return (await fileOf("POST /api/localization/amcl.yaml", {}, options)).blob();

@@ -1,4 +1,4 @@
-/** The robot localized in the plan of its world: begun, kidnapped, and what goes wrong. */
+/** Localizing the robot in the plan of its world: starting, kidnapping, and failures. */
 
 import { computed, type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
@@ -35,7 +35,7 @@ const TOP = 16;
 const BOTTOM = HEIGHT - 36;
 const TICK_PX = 90;
 
-/** The error of the estimate and the entropy of the particles, over the scans that were used. */
+/** The error of the estimate and the entropy of the particles over the used scans. */
 function ErrorChart({ points }: { readonly points: readonly Point[] }) {
   const box = useRef<HTMLDivElement>(null);
   const { width, scale } = useDrawing(box, 420).value;
@@ -85,7 +85,7 @@ function ErrorChart({ points }: { readonly points: readonly Point[] }) {
 
 interface ModelsProps {
   readonly table: readonly Parameter[];
-  /** Those that differ from the first values. */
+  /** Those that differ from the defaults. */
   readonly values: ReadonlySignal<Values>;
   /** The sensor's longest range, m. */
   readonly range_max: number;
@@ -144,7 +144,7 @@ export function Localization({ store }: { readonly store: Store }) {
       (answer) => {
         table.value = answer.table;
       },
-      () => undefined, // the server does not answer: the figures are left out
+      () => undefined, // the server does not answer, so the figures are left out
     );
   }, [table]);
   const showsField = store.underlay.value === LIKELIHOOD_FIELD;

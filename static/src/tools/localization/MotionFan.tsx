@@ -1,4 +1,4 @@
-/** The motion model as a fan of samples: where the robot may be once the odometry has told of a motion that one drags. */
+/** The motion model as a fan of samples: the robot's possible poses after a motion of the odometry, to be dragged. */
 
 import { useSignal } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
@@ -19,7 +19,7 @@ import "./localization.css";
 
 const HEIGHT = 220;
 const SAMPLES = 400;
-/** Metres that the figure shows in its height, and where the robot stands in its width. */
+/** Height of the figure in metres, and the robot's position in its width. */
 const METRES = 1.2;
 const START = 0.16;
 const STEP = 0.05;

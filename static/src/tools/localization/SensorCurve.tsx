@@ -1,4 +1,4 @@
-/** The sensor models as curves that one grabs: how likely a reading is, over its range or its distance from a wall. */
+/** The sensor models as draggable curves: the likelihood of a reading over its range or its distance from a wall. */
 
 import { useRef } from "preact/hooks";
 import {
@@ -16,11 +16,11 @@ import { keyed, type Range, snap, written } from "../../ui/numbers";
 import type { Parameter, Values } from "../../wire/protocol";
 import "./localization.css";
 
-/** Decades of likelihood that are shown: below the lowest nothing is told apart. */
+/** Decades of likelihood shown; lower values are not distinguished. */
 export const [LOWEST, HIGHEST] = [-4, 1.3];
 
 interface LogScale {
-  /** The pixel of a likelihood, at the lower end for those that are not shown. */
+  /** The pixel of a likelihood; the lower end for those below the scale. */
   readonly at: (likelihood: number) => number;
   /** The likelihood at a pixel, 0 below the axis. */
   readonly of: (pixel: number) => number;
@@ -47,7 +47,7 @@ function distances(reach: number, peak: number, sigma: number): readonly number[
 const HEIGHT = 230;
 const [LEFT, RIGHT, TOP, BOTTOM] = [46, 42, 14, HEIGHT - 36];
 const DECADES = [-4, -3, -2, -1, 0, 1];
-/** Of the longest range, where the map has something in the figure of the beam model. */
+/** Share of the longest range at which the map has an obstacle in the figure of the beam model. */
 const EXPECTED = 0.6;
 const FLOOR_AT = 0.84;
 
@@ -67,7 +67,7 @@ interface Grip {
   readonly at: readonly [x: number, y: number];
   readonly tone: string;
   readonly unit: string;
-  /** The value once the handle is at a pixel along its axis. */
+  /** The value when the handle is at a pixel along its axis. */
   readonly of: (pixel: number) => number;
   readonly text: readonly [dx: number, dy: number, anchor: "start" | "middle" | "end"];
 }
@@ -88,7 +88,7 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
   const xs: Scale = { low: 0, high: reach, from: LEFT, to: width - RIGHT };
   const ys = logScale(BOTTOM, TOP);
   const expected = EXPECTED * longest;
-  const below = longest * (1 - 1e-9); // at the longest range itself is no density but z_max
+  const below = longest * (1 - 1e-9); // at the longest range itself the only density is z_max
   const likelihood = (s: number): number =>
     isBeam ? beamDensity(Math.min(s, below), expected, mixture) : fieldLikelihood(s, mixture, wallReach);
   const points = distances(reach, isBeam ? expected : 0, mixture.sigma_hit);
@@ -236,7 +236,7 @@ function beamGrips(m: BeamMixture, expected: number, xs: Scale, ys: LogScale): r
       at: [toPixel(middle, xs), ys.at(shortAt(middle))],
       tone: "tone-beam",
       unit: "per metre",
-      // The curve through its value at the near handle, which stays.
+      // The curve through its value at the near handle, which does not move.
       of: (pixel) => Math.log(Math.max(shortAt(near), 1e-9) / Math.max(ys.of(pixel), 1e-9)) / (middle - near),
       text: [0, 22, "middle"],
     },

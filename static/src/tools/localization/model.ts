@@ -1,21 +1,21 @@
-/** Localization in the lab: the switches and what to look for, and the history that the chart shows. */
+/** Localization in the lab: the switches and their effects, and the history shown in the chart. */
 
 import type { LocalizationMessage, Values } from "../../wire/protocol";
 
-/** The layers of a localization: the map that a log is localized in, and the particles. */
+/** The layers of a localization: the map in which a log is localized, and the particles. */
 export const GIVEN_MAP = "given_map";
 export const PARTICLES = "particles";
-/** The layer of the lab's filter: how likely a reading is that ends in a cell. */
+/** The layer of the lab's filter: the likelihood of a reading that ends in a cell. */
 export const LIKELIHOOD_FIELD = "likelihood_field";
 
-/** A setting of the filter that goes wrong or that shows something. */
+/** A setting of the filter that fails or that demonstrates something. */
 export interface Setting {
   readonly name: string;
   readonly label: string;
   readonly values: Values;
-  /** The map that the filter is given instead of the plan of the world. */
+  /** The map that the filter uses instead of the plan of the world. */
   readonly map?: "moved" | "other";
-  /** The world that it needs. */
+  /** The required world. */
   readonly world?: string;
   /** What to look for. */
   readonly look: string;
@@ -63,7 +63,7 @@ export const SETTINGS: readonly Setting[] = [
   },
 ];
 
-/** One point of the chart, for a scan that was used. */
+/** One point of the chart, for a used scan. */
 export interface Point {
   readonly updates: number;
   readonly error: number;
@@ -72,7 +72,7 @@ export interface Point {
 
 const MOST_POINTS = 400;
 
-/** The history with a message; a filter that began again begins it again. */
+/** The history including a message; it restarts with the filter. */
 export function grown(points: readonly Point[], message: LocalizationMessage): readonly Point[] {
   if (!message.is_on || message.error_m === null) return [];
   const last = points.at(-1);
@@ -82,7 +82,7 @@ export function grown(points: readonly Point[], message: LocalizationMessage): r
   return [...before, next].slice(-MOST_POINTS);
 }
 
-/** What a filter is given. */
+/** The inputs of a filter. */
 export interface Given {
   readonly values: Values;
   readonly map: string;
@@ -90,17 +90,17 @@ export interface Given {
   readonly world: string | undefined;
 }
 
-/** Whether a setting is on: all that it sets is so. */
+/** Whether a setting is on, that is, everything that it sets has these values. */
 export const isOn = ({ values, map, world }: Setting, given: Given): boolean =>
   Object.entries(values).every(([name, value]) => given.values[name] === value) &&
   (map === undefined || given.map === map) &&
   (world === undefined || given.world === world);
 
-/** What the filter is given once a setting is turned. A setting that has a world ends in another one, `elsewhere`. */
+/** The inputs of the filter after a switch. A setting with its own world is switched off by going `elsewhere`. */
 export function turned(setting: Setting, given: Given, elsewhere: string): Given {
   const wasOn = isOn(setting, given);
   const own = Object.keys(setting.values);
-  // What another setting sets too stays, unless that is on only because this one is.
+  // Values that another setting sets too are kept, unless that is on only because this one is.
   const isPart = (candidate: Setting): boolean =>
     Object.entries(candidate.values).every(([name, value]) => setting.values[name] === value);
   const others = SETTINGS.filter((setting) => isOn(setting, given) && !isPart(setting)).flatMap((setting) =>
@@ -115,7 +115,7 @@ export function turned(setting: Setting, given: Given, elsewhere: string): Given
   return { values, map, world };
 }
 
-/** The half axes (m) and the direction (rad) of an ellipse that holds 95 % of a normal density. */
+/** The semi-axes (m) and the direction (rad) of an ellipse that contains 95 % of a normal density. */
 export function ellipseOf(xx: number, xy: number, yy: number): readonly [long: number, short: number, turn: number] {
   const middle = (xx + yy) / 2;
   const apart = Math.hypot((xx - yy) / 2, xy);

@@ -1,4 +1,4 @@
-/** What the belief shows of a localized robot: the best estimate, how certain it is, and the scan seen from it. */
+/** The drawing of a localized robot over the belief: the best estimate, its uncertainty, and the scan from there. */
 
 import { compose } from "../../grid/lattice";
 import { type Brush, paintBeams, robotPx } from "../../render/picture/brush";
@@ -9,14 +9,14 @@ import { ellipseOf } from "./model";
 
 const CROSS_PX = 10;
 
-/** Pose `b` as pose `a` sees it: the inverse of `a`, composed with `b`. */
+/** Pose `b` relative to pose `a`: the inverse of `a`, composed with `b`. */
 function seenFrom(a: Pose, b: Pose): Pose {
   const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
   const [c, s] = [Math.cos(a[2]), Math.sin(a[2])];
   return [c * dx + s * dy, c * dy - s * dx, b[2] - a[2]];
 }
 
-/** Paint where a visitor says that the robot is: a ring, and a line in the direction in which it looks. */
+/** Paint the visitor's estimate of the robot's pose: a ring, and a line in its heading. */
 export function paintGivenPose(store: Store, { ctx, view, size, colours }: Brush): void {
   const pose = store.givenPose.peek();
   if (!pose) return;
@@ -36,19 +36,19 @@ export function paintGivenPose(store: Store, { ctx, view, size, colours }: Brush
   }
 }
 
-/** Paint the estimate; nothing while the robot is not localized. */
+/** Paint the estimate; nothing if the robot is not localized. */
 export function paintLocalization(store: Store, brush: Brush): void {
   const message = store.part("localization").message.peek();
   const frame = store.frame.peek();
   if (!message?.pose || !message.at || !message.covariance) return;
   const { ctx, view, size, colours } = brush;
   const { at, covariance } = message;
-  // The robot has moved on since: the estimate is carried on by its true motion, which is short.
+  // The robot has moved since, so the estimate is updated with its true motion, which is short.
   const pose = frame ? compose(message.pose, seenFrom(at, frame.pose)) : message.pose;
   const [xx, xy, yy] = covariance;
   const [x, y] = toScreen(view, size, pose[0], pose[1]);
   if (frame && message.is_converged) {
-    // The scan was taken at the newest scan's pose; seen from the estimate it lies on the walls if that is right.
+    // The scan was taken at the newest scan's pose. Drawn from the estimate, it matches the walls if that is right.
     const mount = seenFrom(frame.pose, frame.scan_pose);
     paintBeams(brush, compose(pose, mount), frame, frame.range_max, 0.35, 1.5);
   }

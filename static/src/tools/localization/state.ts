@@ -1,4 +1,4 @@
-/** The particle filter that the user wants in the lab, and how it is begun and changed. */
+/** The requested particle filter in the lab, and commands to start and change it. */
 
 import { signal } from "@preact/signals";
 import type { Store } from "../../store/store";
@@ -6,19 +6,19 @@ import type { Command, LocalizationMessage, Values } from "../../wire/protocol";
 
 type LocalizeCommand = Extract<Command, { type: "localize" }>;
 
-/** Most commands whose answers are awaited. */
+/** Maximum number of commands whose answers are awaited. */
 const MOST_SENT = 200;
 
 const written = (values: Values, map: string): string => JSON.stringify([Object.entries(values).sort(), map]);
 
-/** Shown at once; answers to one's own commands change nothing, and what others set is taken over. */
+/** Settings, shown at once. Answers to the page's own commands change nothing; changes by others are applied. */
 export class FilterSettings {
-  /** Parameters that differ from the first ones. */
+  /** Parameters that differ from the defaults. */
   readonly values = signal<Values>({});
   readonly map = signal("plan");
   #sent: string[] = [];
 
-  /** Note a command that is sent. */
+  /** Record a sent command. */
   note({ values = {}, map = "plan" }: LocalizeCommand): void {
     this.values.value = values;
     this.map.value = map;
@@ -48,14 +48,14 @@ class FilterState extends FilterSettings {
     store.hears("localize", (command) => this.note(command as LocalizeCommand));
   }
 
-  /** Begin to localize the lab's robot, from anywhere. */
+  /** Begin to localize the lab's robot, from an unknown pose. */
   begin(values: Values, map: string): void {
     const command = { type: "localize", value: true, values, map } as const;
     this.note(command);
     this.#store.send(command);
   }
 
-  /** Set parameters of the filter; one that runs goes on with them. */
+  /** Set parameters of the filter; a running one continues with them. */
   set(values: Values): void {
     const [old, map] = [this.values.peek(), this.map.peek()];
     const next = { ...old, ...values };

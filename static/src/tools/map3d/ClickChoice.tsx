@@ -1,4 +1,4 @@
-/** What a click in a 3D view of the lab does while there is a 3D map: ask about a voxel, or place the robot. */
+/** The effect of a click in a 3D view of the lab while there is a 3D map: query a voxel, or place the robot. */
 
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";

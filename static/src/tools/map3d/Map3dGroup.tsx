@@ -1,4 +1,4 @@
-/** The lab's 3D map: drawn while the robot drives, cut by height, its memory, and what it has that the 2D map lacks. */
+/** The lab's 3D map: drawn while the robot drives, cut by height, its memory, and what the 2D map lacks. */
 
 import { useEffect, useMemo } from "preact/hooks";
 import { SurfaceProfile } from "../../lessons/tsdf/SurfaceProfile";
@@ -29,7 +29,7 @@ const shareOf = (bytes: number, most: number): number =>
 
 interface MemoryProps {
   readonly message: Map3dMessage;
-  /** The surface that is shown; null for none. */
+  /** The displayed surface; null for none. */
   readonly surface: SurfaceMessage | null;
 }
 
@@ -160,7 +160,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
   const isSurface = values.value.kind === "tsdf";
   return (
     <div class="map3d stack-narrow">
-      {/* First, so that it is in sight in a panel of 200 px: the tabs take as much above it. */}
+      {/* First, so that it is visible in a panel of 200 px, because the tabs above it take as much. */}
       <div class="map3d-view">
         <Scene store={store} session={session} hasColumns={false} actions={<ClipHandles look={clip} />} />
       </div>
@@ -225,7 +225,7 @@ function Begin({ store }: { readonly store: Store }) {
   );
 }
 
-/** What the 3D map has that the 2D map lacks, and where to see it. */
+/** What the 3D map contains that the 2D map lacks, and where. */
 function Difference({ store }: { readonly store: Store }) {
   const message = store.part("map3d").message.value;
   if (!message) return null;

@@ -1,4 +1,4 @@
-/** The 3D sensor of the simulated robot: which one it carries, and its parameters. */
+/** The 3D sensor of the simulated robot: its type and its parameters. */
 
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";

@@ -1,4 +1,4 @@
-/** What only the 3D map has, laid over the belief. */
+/** Cells that are only in the 3D map, drawn over the belief. */
 
 import { PALETTES, type Palette, plain } from "../../render/map/palettes";
 import type { Layer } from "../../render/map/renderer";

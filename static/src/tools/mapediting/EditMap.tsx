@@ -1,11 +1,11 @@
-/** Keeps the present map of a session as a map of the visitor's own, and opens it to be edited. */
+/** Saves the current map of a session as one of the visitor's maps, and opens it for editing. */
 
 import { useSignal } from "@preact/signals";
 import { Button } from "../../ui/Button";
 import { toastFailure } from "../../ui/browser/attempts";
 import { ask } from "../../wire/ask";
 
-/** Where a map of the library is opened. */
+/** The address at which a map of the library is opened. */
 export const mapAddress = (id: string): string => `/logs.html?log=${encodeURIComponent(id)}`;
 
 export function EditMap({ session, name }: { readonly session: string; readonly name: string }) {

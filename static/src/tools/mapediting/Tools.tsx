@@ -1,4 +1,4 @@
-/** The tools that draw in a map, what they draw, and what changes the whole map. */
+/** The tools that draw in a map, their drawings, and operations on the whole map. */
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";

@@ -1,4 +1,4 @@
-/** What is drawn over a map that is edited: the sketch of the tool, the origin, and how the map will be turned. */
+/** The drawing over an edited map: the sketch of the tool, the origin, and the map after rotation. */
 
 import { centreOf, fromLattice } from "../../grid/lattice";
 import { PALETTE_ROWS, type Palette } from "../../render/map/palettes";
@@ -16,7 +16,7 @@ import { drawingOf, isFree, shapeOf } from "./strokes";
 const AXIS_PX = 46;
 const HEAD_PX = 7;
 
-/** Keepout zones: striped, so that they are not told by their colour alone; byte 0 is no zone. */
+/** Keepout zones: striped, so that they are not identified by colour alone; byte 0 means no zone. */
 const KEEPOUT: Palette = {
   key: "keepout",
   colours: () => {
@@ -32,7 +32,7 @@ const KEEPOUT: Palette = {
 /** The layer of keepout zones. */
 export const ZONES = "keepout";
 
-/** The keepout zones and the speed limits, to be laid over the map. */
+/** The keepout zones and the speed limits, drawn over the map. */
 export function zonesOver(store: Store): readonly Layer[] {
   const zones = store.layers.grid(ZONES).map.peek();
   const limits = store.layers.grid(SPEED_LIMITS).map.peek();
@@ -71,7 +71,7 @@ export function paintEditing(store: Store, brush: Brush): void {
   }
 }
 
-/** What is drawn; from the corner that the keyboard has set to the cursor. */
+/** The current drawing; from the corner set by the keyboard to the cursor. */
 function sketchOf(store: Store): readonly Point[] | null {
   const { corner, sketch } = mapEditingOf(store);
   const from = corner.peek();
@@ -131,7 +131,7 @@ function paintLine(brush: Brush, points: readonly Point[]): void {
   twice(brush);
 }
 
-/** An area, or what a crop leaves: the rest is dimmed. */
+/** An area, or the part that a crop keeps; the rest is dimmed. */
 function paintArea(brush: Brush, points: readonly Point[], isCrop: boolean, isOpen: boolean): void {
   const { ctx, size, colours } = brush;
   trace(brush, points);
@@ -167,7 +167,7 @@ function paintOrigin(brush: Brush): void {
   }
 }
 
-/** Where the new origin lies, and where its x axis points. */
+/** The new origin, and the direction of its x axis. */
 function paintArrow(brush: Brush, points: readonly Point[]): void {
   const [first, last] = [points[0], points.at(-1)];
   if (!first || !last) return;
@@ -179,7 +179,7 @@ function paintArrow(brush: Brush, points: readonly Point[]): void {
   paintHead(brush, from, [from[0] + AXIS_PX * dy, from[1] - AXIS_PX * dx]);
 }
 
-/** An arrow between two places of the screen. */
+/** An arrow between two places on the screen. */
 function paintHead({ ctx, colours }: Brush, [x0, y0]: Point, [x1, y1]: Point): void {
   const angle = Math.atan2(y1 - y0, x1 - x0);
   ctx.beginPath();

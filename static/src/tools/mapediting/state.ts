@@ -1,4 +1,4 @@
-/** What the user does with a map that is edited: the tool, what is being drawn, and the edits so far. */
+/** The user's state while editing a map: the tool, the current drawing, and the edits so far. */
 
 import { batch, type ReadonlySignal, signal } from "@preact/signals";
 import type { Store } from "../../store/store";
@@ -6,7 +6,7 @@ import type { MapEditsMessage, Point } from "../../wire/protocol";
 
 export type MapTool = "brush" | "line" | "area" | "keepout" | "speed" | "straighten" | "crop" | "origin";
 
-/** What a cell becomes. */
+/** The new state of a cell. */
 export type PaintedState = "occupied" | "free" | "unknown";
 
 class MapEditing {
@@ -15,19 +15,19 @@ class MapEditing {
   readonly state = signal<PaintedState>("occupied");
   /** Width of the brush and of lines, m. */
   readonly width = signal(0.1);
-  /** Whether areas and zones are drawn freely; else they are rectangles. */
+  /** Whether areas and zones are drawn freely; otherwise they are rectangles. */
   readonly isFreehand = signal(false);
-  /** Whether the tool of keepout zones allows what was forbidden. */
+  /** Whether the keepout tool removes zones instead of adding them. */
   readonly allows = signal(false);
-  /** Value of the speed filter's mask that the tool of speed limits sets, 1 … 100; 0 is no limit. */
+  /** The mask value of the speed filter that the speed limit tool sets, 1 to 100; 0 is no limit. */
   readonly limit = signal(50);
-  /** What is being drawn, or was sent and is not yet in the map. */
+  /** The current drawing, or one that was sent and is not yet in the map. */
   readonly sketch = signal<readonly Point[] | null>(null);
   /** Whether the sketch was sent. */
   readonly isSent = signal(false);
-  /** The first corner that the keyboard has set. */
+  /** The first corner set by keyboard. */
   readonly corner = signal<Point | null>(null);
-  /** By how much the map will be turned, rad; null while this is not chosen. */
+  /** The angle by which the map will be rotated, rad; null while none is being chosen. */
   readonly turn = signal<number | null>(null);
   /** The newest message; null before the first. */
   readonly edits: ReadonlySignal<MapEditsMessage | null>;
@@ -50,7 +50,7 @@ class MapEditing {
     });
   }
 
-  /** Draw nothing any more. */
+  /** Discard the drawing. */
   drop(): void {
     batch(() => {
       this.sketch.value = this.corner.value = null;

@@ -1,21 +1,21 @@
-/** What the tools of map editing draw, and the commands that they send. */
+/** The drawings of the map editing tools, and the commands that they send. */
 
 import type { Store } from "../../store/store";
 import type { MapEditCommand, Point } from "../../wire/protocol";
 import type { MapTool, PaintedState } from "./state";
 import { mapEditingOf } from "./state";
 
-/** A line this near to upright or level becomes so, rad. */
+/** A line closer than this to vertical or horizontal is aligned, rad. */
 const STRAIGHT = 0.09;
 /** Points of a stroke: a command has at most 64 KiB. */
 const MOST_POINTS = 2500;
 /** Least distance between two points of a stroke, CSS pixels. */
 const SPACING_PX = 3;
-/** A rectangle or a direction that is smaller is a slip of the hand, CSS pixels. */
+/** A smaller rectangle or direction is ignored as unintentional, CSS pixels. */
 const LEAST_PX = 4;
 const QUARTER = Math.PI / 2;
 
-/** How a tool draws, and what it does with that. */
+/** How a tool draws, and the effect of its drawing. */
 export interface Drawing {
   readonly tool: MapTool;
   readonly state: PaintedState;
@@ -40,14 +40,14 @@ export const drawingOf = (store: Store): Drawing | null => {
   );
 };
 
-/** Whether each point of the hand counts, not only the first and the last. */
+/** Whether all points of the pointer count, not only the first and the last. */
 export const isFree = ({ tool, isFreehand }: Drawing): boolean =>
   tool === "brush" || (isFreehand && (tool === "area" || tool === "keepout" || tool === "speed"));
 
 const rounded = (value: number): number => Math.round(value * 1e4) / 1e4;
 const place = ([x, y]: Point): Point => [rounded(x), rounded(y)];
 
-/** The line's end, level or upright where it nearly is. */
+/** The line's end, aligned if the line is nearly horizontal or vertical. */
 export function straightened([x0, y0]: Point, [x, y]: Point): Point {
   const [dx, dy] = [Math.abs(x - x0), Math.abs(y - y0)];
   if (dy < dx * Math.tan(STRAIGHT)) return [x, y0];
@@ -62,13 +62,13 @@ const rectangle = ([x0, y0]: Point, [x1, y1]: Point): readonly Point[] => [
   [x0, y1],
 ];
 
-/** By how much the map has to turn for a line to lie along the nearest axis, rad. */
+/** The angle by which the map must be rotated to align a line with the nearest axis, rad. */
 export function turnOf([x0, y0]: Point, [x1, y1]: Point): number {
   const angle = Math.atan2(y1 - y0, x1 - x0);
   return Math.round(angle / QUARTER) * QUARTER - angle;
 }
 
-/** The outline of what is drawn, as it will be: a line, or a polygon. */
+/** The final outline of the drawing: a line, or a polygon. */
 export function shapeOf(drawing: Drawing, points: readonly Point[]): readonly Point[] {
   const [first, last] = [points[0], points.at(-1)];
   if (!first || !last || isFree(drawing)) return points;
@@ -76,7 +76,7 @@ export function shapeOf(drawing: Drawing, points: readonly Point[]): readonly Po
   return drawing.tool === "straighten" || drawing.tool === "origin" ? [first, last] : rectangle(first, last);
 }
 
-/** The command for what was drawn; null for a slip of the hand. `scale` is metres a CSS pixel. */
+/** The command for a drawing; null if it was unintentional. `scale` is metres per CSS pixel. */
 export function commandOf(drawing: Drawing, points: readonly Point[], scale: number): MapEditCommand | null {
   const shape = shapeOf(drawing, points).map(place);
   const [first, last] = [points[0], points.at(-1)];
@@ -106,7 +106,7 @@ export function commandOf(drawing: Drawing, points: readonly Point[], scale: num
   }
 }
 
-/** A stroke of the hand from `from` so far to `to`, null where it was cancelled. */
+/** A stroke of the pointer from `from` so far to `to`, null if it was cancelled. */
 export function stroke(store: Store, from: Point | null, to: Point | null, isDone: boolean): void {
   const mapEditing = mapEditingOf(store);
   const drawing = drawingOf(store);
@@ -139,7 +139,7 @@ function finish(store: Store, drawing: Drawing, points: readonly Point[], scale:
   store.send(command);
 }
 
-/** A key of the focused map; true where it was meant for the tool. */
+/** A key of the focused map; true if the tool handled it. */
 export function key(store: Store, pressed: string): boolean {
   const mapEditing = mapEditingOf(store);
   const drawing = drawingOf(store);

@@ -1,4 +1,4 @@
-/** Over a map: fit, full screen, the ruler and the area; the scale, the place of the pointer, and what is measured. */
+/** Controls over a map: fit, full screen, ruler, area, the scale, the pointer's position, and the measurement. */
 
 import { useComputed, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren, RefObject } from "preact";
@@ -23,7 +23,7 @@ const TOOLS: readonly (readonly [tool: MeasuringTool, icon: IconName, label: str
 
 interface MapToolsProps {
   readonly store: Store;
-  /** What fills the screen. */
+  /** The element that fills the screen. */
   readonly stage: RefObject<HTMLElement | null>;
 }
 
@@ -51,7 +51,7 @@ export function MapTools({ store, stage }: MapToolsProps) {
   );
 }
 
-/** The ruler and the area, to take and to put away. */
+/** The buttons that select and deselect the ruler and the area. */
 export function MeasuringButtons({ store }: { readonly store: Store }) {
   const measuring = measuringOf(store);
   measureInScenes(store);
@@ -71,7 +71,7 @@ export function MeasuringButtons({ store }: { readonly store: Store }) {
   );
 }
 
-/** Over the map: what is measured, the scale, and the place of the pointer. */
+/** Over the map: the measurement, the scale, and the pointer's position. */
 export function Measuring({ store }: { readonly store: Store }) {
   const tool = measuringOf(store).tool.value;
   return (
@@ -82,7 +82,7 @@ export function Measuring({ store }: { readonly store: Store }) {
   );
 }
 
-/** Over a 3D view: what is measured, and the coordinates of a place to measure to, for a keyboard. */
+/** Over a 3D view: the measurement, and coordinates for measuring by keyboard. */
 export function MeasuringIn3d({ store, snaps }: { readonly store: Store; readonly snaps: boolean }) {
   const measuring = measuringOf(store);
   const tool = measuring.tool.value;
@@ -97,7 +97,7 @@ export function MeasuringIn3d({ store, snaps }: { readonly store: Store; readonl
   );
 }
 
-/** Whether this one of the views that state what is measured says its changes to screen readers: one of them does. */
+/** Whether this view announces changes of the measurement to screen readers; only one of the views does. */
 function useSaid({ said }: MeasuringState): boolean {
   const own = useRef({}).current;
   useSignalEffect(() => {
@@ -115,7 +115,7 @@ function useSaid({ said }: MeasuringState): boolean {
 interface MeasuredProps {
   readonly store: Store;
   readonly tool: MeasuringTool;
-  /** Whether there are walls of a map to snap to. */
+  /** Whether the map has walls to snap to. */
   readonly snaps?: boolean;
   readonly children?: ComponentChildren;
 }
@@ -157,7 +157,7 @@ function Measured({ store, tool, snaps = true, children }: MeasuredProps) {
 
 const BAR_PX = 120;
 
-/** The scale of the map, and the place of the pointer or the cell cursor in metres of the map's frame. */
+/** The scale of the map, and the position of the pointer or the cell cursor in metres of the map's frame. */
 function Place({ store }: { readonly store: Store }) {
   const scale = useComputed(() => store.view.value?.scale ?? 0);
   const at = useComputed(() => {

@@ -1,4 +1,4 @@
-/** What the visitor measures on a map and in 3D: points that were clicked, in metres of the map's frame. */
+/** The visitor's measurement on a map and in 3D: clicked points, in metres of the map's frame. */
 
 import { computed, signal } from "@preact/signals";
 import type { Store } from "../../store/store";
@@ -9,22 +9,22 @@ import type { Spot } from "./model";
 export type MeasuringTool = "distance" | "area";
 
 export class Measuring {
-  /** The tool in use; null while nothing is measured. */
+  /** The selected tool; null if none. */
   readonly tool = signal<MeasuringTool | null>(null);
   readonly points = signal<readonly Spot[]>([]);
-  /** The same points, seen from above. */
+  /** The same points from above. */
   readonly onMap = computed<readonly Point[]>(() => this.points.value.map(([x, y]) => [x, y]));
-  /** Side of the largest voxel that a point is on, m; 0: all are measured points; null: all are places of a map. */
+  /** Side of the largest voxel that a point is on, m; 0: all are measured points; null: all are places on a map. */
   readonly size = signal<number | null>(null);
   /** Whether the next click begins a new line. */
   readonly isDone = signal(false);
-  /** Whether points snap to the borders between walls and what is free beside them. */
+  /** Whether points snap to the borders between walls and adjacent free cells. */
   readonly snaps = signal(true);
 
-  /** The view whose statement of it screen readers are told by; null for none. */
+  /** The view that announces the measurement to screen readers; null for none. */
   readonly said = signal<object | null>(null);
 
-  /** Take a tool, or put it away with null. */
+  /** Select a tool; null deselects it. */
   take(tool: MeasuringTool | null): void {
     this.tool.value = tool;
     this.clear();
@@ -36,7 +36,7 @@ export class Measuring {
     this.isDone.value = false;
   }
 
-  /** Add a point; `size` is the side of the voxel that it is on, null for a place of a map. */
+  /** Add a point; `size` is the side of the voxel that it is on, null for a place on a map. */
   add(point: Spot, size: number | null = null): void {
     if (this.isDone.peek()) this.clear();
     this.points.value = [...this.points.peek(), point];
@@ -49,5 +49,5 @@ export class Measuring {
   }
 }
 
-/** What is measured on the maps of a page. */
+/** The measurement on the maps of a page. */
 export const measuringOf = (store: Store): Measuring => store.of(Measuring);

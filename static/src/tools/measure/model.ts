@@ -1,4 +1,4 @@
-/** Lengths, directions and areas of what is measured on a map, and the borders of cells that points snap to. */
+/** Lengths, directions and areas of measurements on a map, and the cell borders to which points snap. */
 
 import { thresholds } from "../../grid/cellValues";
 import { cellAt, contains, fromLattice, toLattice } from "../../grid/lattice";
@@ -7,7 +7,7 @@ import type { MapPicture } from "../../render/map/mapPicture";
 import { written } from "../../ui/numbers";
 import type { Point } from "../../wire/protocol";
 
-/** A point that is measured, m: of a map without a height, in 3D with one. */
+/** A measured point, m: on a map without a height, in 3D with one. */
 export type Spot = readonly [x: number, y: number, z?: number];
 
 const heightOf = ([, , z = 0]: Spot): number => z;
@@ -20,7 +20,7 @@ const between = (from: Spot, to: Spot): readonly [number, number, number] => [
 
 export const distanceOf = (from: Spot, to: Spot): number => Math.hypot(...between(from, to));
 
-/** The length of a line of points, m; of a polygon where it is closed. */
+/** The length of a line of points, m; the perimeter of a polygon if it is closed. */
 export function lengthOf(points: readonly Spot[], isClosed = false): number {
   let sum = 0;
   for (let i = isClosed ? 0 : 1; i < points.length; i++) {
@@ -30,8 +30,8 @@ export function lengthOf(points: readonly Spot[], isClosed = false): number {
 }
 
 /**
- * The area of a polygon, m²: the shoelace formula in each plane of two axes. Where its corners are in no plane, it is
- * the largest area that it has when it is seen from one side, from far away.
+ * The area of a polygon, m²: the shoelace formula in each plane of two axes. If its corners are not coplanar, it is the
+ * greatest area of its parallel projections.
  */
 export function areaOf(points: readonly Spot[]): number {
   const twice: [number, number, number] = [0, 0, 0];
@@ -44,10 +44,10 @@ export function areaOf(points: readonly Spot[]): number {
   return Math.hypot(...twice) / 2;
 }
 
-/** The direction from one point to another, degrees counter-clockwise from x, −180 … 180. */
+/** The direction from one point to another, degrees counter-clockwise from x, −180 to 180. */
 export const headingOf = ([x0, y0]: Spot, [x1, y1]: Spot): number => (Math.atan2(y1 - y0, x1 - x0) * 180) / Math.PI;
 
-/** The angle at the middle of three points, degrees 0 … 180. */
+/** The angle at the middle of three points, degrees, 0 to 180. */
 export function angleAt(before: Spot, at: Spot, after: Spot): number {
   const [x0, y0, z0] = between(at, before);
   const [x1, y1, z1] = between(at, after);
@@ -55,9 +55,9 @@ export function angleAt(before: Spot, at: Spot, after: Spot): number {
   return (Math.atan2(across, x0 * x1 + y0 * y1 + z0 * z1) * 180) / Math.PI;
 }
 
-/** What is measured, in words; `size` is the side of a cell or a voxel, m, 0 where the points themselves are known. */
+/** The measurement in words; `size` is the side of a cell or a voxel, m, 0 if the points themselves are known. */
 export function measuredText(tool: "distance" | "area", points: readonly Spot[], size: number): string {
-  const cell = size > 0 ? ` ± ${written(size, 2)} m` : ""; // each end lies within half a cell of the wall
+  const cell = size > 0 ? ` ± ${written(size, 2)} m` : ""; // each end is within half a cell of the wall
   if (tool === "area") {
     if (points.length < 3) return "Click the corners of an area.";
     return `${written(areaOf(points), 2)} m², around it ${written(lengthOf(points, true), 2)} m${cell}`;
@@ -73,16 +73,16 @@ export function measuredText(tool: "distance" | "area", points: readonly Spot[],
   return `${own}, angle ${written(angleAt(corner, before, last), 1)}°, together ${written(lengthOf(points), 2)} m`;
 }
 
-/** Cost of a cell of Nav2's costmaps in which the robot's centre is certainly in collision, but which is no obstacle. */
+/** Cost of a cell of Nav2's costmaps in which the robot's centre is in collision, but which is not an obstacle. */
 const INSCRIBED = 253;
 
-/** The byte above which a cell holds a surface: it is occupied, or in a recorded costmap lethal. */
+/** The byte above which a cell contains a surface: it is occupied, or in a recorded costmap lethal. */
 export const surfacesAbove = ({ style, geometry }: MapPicture): number =>
   style === "recorded_costs" ? byteOfCost(INSCRIBED) : thresholds(geometry).above;
 
 /**
  * The nearest place, within `reach` metres of a point, on a border between an occupied cell and one that is not; null
- * where there is none. These are the only places at which the map says that a surface is.
+ * if there is none. These are the only places at which the map indicates a surface.
  */
 export function snapped(map: MapPicture, point: Point, reach: number): Point | null {
   const { geometry, cells } = map;
@@ -115,7 +115,7 @@ export function snapped(map: MapPicture, point: Point, reach: number): Point | n
 
 const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
 
-/** The longest of 1, 2 and 5 times a power of ten, m, that is at most `pixels` wide at this scale, metres per pixel. */
+/** The longest of 1, 2 and 5 times a power of ten, m, that takes at most `pixels` at this scale, metres per pixel. */
 export function scaleBar(metresPerPixel: number, pixels: number): number {
   const most = metresPerPixel * pixels;
   const power = 10 ** Math.floor(Math.log10(most));

@@ -1,4 +1,4 @@
-/** What is measured, over the map: its points, its lines and their lengths. */
+/** The measurement over the map: its points, its lines and their lengths. */
 
 import type { Brush } from "../../render/picture/brush";
 import { toScreen } from "../../render/view";

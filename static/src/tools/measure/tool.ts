@@ -1,4 +1,4 @@
-/** Clicks and keys of a picture while something is measured. */
+/** Clicks and keys of a picture during a measurement. */
 
 import { effect, untracked } from "@preact/signals";
 import { cellAt, contains, fromLattice, toLattice } from "../../grid/lattice";
@@ -8,21 +8,21 @@ import type { Point } from "../../wire/protocol";
 import { measuringOf } from "./measuring";
 import { snapped, surfacesAbove } from "./model";
 
-/** The side of an occupied cell towards one that is not, in cells: its middle, and its direction. */
+/** The side of an occupied cell towards one that is not, in cells: its middle and its direction. */
 interface Border {
   readonly u: number;
   readonly v: number;
   readonly isVertical: boolean;
 }
 
-/** Walls are taken as facing each other where their borders are within this of the narrowest place, cells. */
+/** Walls count as facing each other where their borders are within this distance of the narrowest place, cells. */
 const ROUGHNESS = 1;
 
 /**
- * Two places near two points between which lies the opening between walls that face each other, not a slanting line
- * through it: of the distances between borders of occupied cells that face each other, the middle one of those that are
- * a cell at most above the least. As a surface is anywhere in its cell, either end is half a cell behind its border.
- * Null where there are no such borders within `reach` metres of both points, or the cells between are not free.
+ * The two ends of the opening between facing walls near two points, instead of a slanting line through it. Of the
+ * distances between facing borders of occupied cells, it uses the median of those that are at most one cell above the
+ * least. Because a surface is anywhere in its cell, each end is half a cell behind its border. Null if there are no
+ * such borders within `reach` metres of both points, or the cells between are not free.
  */
 export function opening(map: MapPicture, from: Point, to: Point, reach: number): readonly [Point, Point] | null {
   const { geometry } = map;
@@ -73,7 +73,7 @@ function bordersNear(map: MapPicture, point: Point, reach: number, [du, dv]: rea
   return borders;
 }
 
-/** The place on a border that is nearest to a point, and how far it is. */
+/** The nearest place on a border to a point, and its distance. */
 function nearestOn(border: Border, { u, v }: { readonly u: number; readonly v: number }) {
   const on = border.isVertical
     ? { u: border.u, v: Math.min(border.v + 0.5, Math.max(border.v - 0.5, v)) }
@@ -90,7 +90,7 @@ interface Place {
   readonly v: number;
 }
 
-/** Whether the cells between two places are free of walls, except those that the places are on. */
+/** Whether the cells between two places are free of walls, except the cells that contain the places. */
 function isFree(map: MapPicture, from: Place, to: Place): boolean {
   const length = Math.hypot(to.u - from.u, to.v - from.v);
   for (let at = 0.75; at < length - 0.75; at += 0.25) {
@@ -101,35 +101,35 @@ function isFree(map: MapPicture, from: Place, to: Place): boolean {
 }
 
 const SNAP_PX = 12;
-/** Walls that face each other are looked for this far from either end at most. */
+/** Greatest distance from either end at which facing walls are searched. */
 const MOST_REACH_M = 0.4;
 
-/** Walls are looked for this far from a click in 3D, cells: it may be on the side of one. */
+/** Distance from a click in 3D at which walls are searched, cells, because it may be on the side of one. */
 const CELLS_IN_3D = 2.5;
 
-/** The place that a click at a point means: on the border of a wall within `reach` metres, if it snaps to one. */
+/** The place selected by a click at a point: on the border of a wall within `reach` metres, if it snaps to one. */
 export function placeAt(store: Store, point: Point, reach = reachOf(store)): Point {
   const map = store.map.peek();
   return map && reach !== null ? (snapped(map, point, reach) ?? point) : point;
 }
 
-/** How far from a click walls are looked for, m; null where they are not. */
+/** Distance from a click at which walls are searched, m; null if they are not. */
 function reachOf(store: Store): number | null {
   const [map, view] = [store.map.peek(), store.view.peek()];
   if (!map || !view || !measuringOf(store).snaps.peek()) return null;
   const reach = Math.max(SNAP_PX * view.scale, 0.75 * map.geometry.resolution);
-  // Far out a cell is less than a pixel, and a search over thousands of them would take longer than a frame.
+  // When zoomed out, a cell is less than a pixel, and searching thousands of them would take longer than a frame.
   return reach > 60 * map.geometry.resolution ? null : reach;
 }
 
-/** The two ends of a line to a second point: those of the opening there, such as a door, if it snaps to one. */
+/** The two ends of a line to a second point: those of an opening there, such as a door, if it snaps to one. */
 function endsAt(store: Store, from: Point, to: Point, reach: number | null): readonly [Point, Point] {
   const map = store.map.peek();
   const cells = map && reach !== null ? Math.min(Math.max(reach, 2.5 * map.geometry.resolution), MOST_REACH_M) : 0;
   return (map && cells > 0 && opening(map, from, to, cells)) || [from, to];
 }
 
-/** Measure to a place of a map, on the border of a wall within `reach` metres of it; null: anywhere. */
+/** Measure to a place on a map, on the border of a wall within `reach` metres of it; null: anywhere. */
 function addPlace(store: Store, point: Point, reach: number | null): void {
   const measuring = measuringOf(store);
   const place = placeAt(store, point, reach);
@@ -139,13 +139,13 @@ function addPlace(store: Store, point: Point, reach: number | null): void {
   } else measuring.add(place);
 }
 
-/** Shows what is measured in the 3D views of the page, and takes the places that are clicked in them. */
+/** Shows the measurement in the page's 3D views, and handles places clicked in them. */
 class InScenes {
   constructor(store: Store) {
     const measuring = measuringOf(store);
     let wasOn = false;
     effect(() => {
-      void store.hello.value; // of a new connection, which knows of nothing
+      void store.hello.value; // of a new connection, which has no state yet
       const tool = measuring.tool.value;
       const points = measuring.points.value.map(([x, y, z = 0]) => [x, y, z] as const);
       if (tool) store.send({ type: "measure", points, closed: tool === "area" });
@@ -172,10 +172,10 @@ function reachIn3d(store: Store): number | null {
   return map && measuringOf(store).snaps.peek() ? CELLS_IN_3D * map.geometry.resolution : null;
 }
 
-/** Measure in the 3D views of the page, too. */
+/** Measure in the page's 3D views, too. */
 export const measureInScenes = (store: Store): void => void store.of(InScenes);
 
-/** Takes the clicks and keys of a picture while something is measured. */
+/** Handles the clicks and keys of a picture during a measurement. */
 export function measuringTool(store: Store): {
   readonly draws: () => boolean;
   readonly stroke: () => void;

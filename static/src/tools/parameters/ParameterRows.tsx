@@ -52,7 +52,7 @@ interface ControlProps {
   readonly set: (name: string, value: Value) => void;
 }
 
-/** A control is rendered only when its own values change: while one is dragged, the others are not rendered. */
+/** A control is rendered only when its own values change, so that dragging one does not render the others. */
 function Control({ row, values, set }: ControlProps) {
   const value = values[row.name] ?? row.initial;
   const disabled = !isEnabled(row, values);

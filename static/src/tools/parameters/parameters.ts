@@ -53,7 +53,7 @@ export function boundsOf(row: Parameter, values: Values): Range {
   }
 }
 
-/** Choices whose label is more than their words: the names of people, and a model by the name that the lecture uses. */
+/** Choices whose label differs from their words: names of people, and a model by the name used in the lecture. */
 const LABELS: Readonly<Record<string, string>> = {
   step_window: "step window in probabilities",
   moravec_elfes: "Moravec and Elfes 1985",
@@ -66,7 +66,7 @@ export function readable(choice: string): string {
   return LABELS[choice] ?? choice.replaceAll("_", " ");
 }
 
-/** How many of the rows have another value than at first. */
+/** The number of rows whose value differs from the initial one. */
 export function changedOf(rows: readonly Parameter[], values: Values): number {
   return rows.filter((row) => (values[row.name] ?? row.initial) !== row.initial).length;
 }
@@ -76,7 +76,7 @@ export interface Group {
   readonly rows: readonly Parameter[];
 }
 
-/** The shown rows by group, in the order of the table; groups without any are left out. */
+/** The shown rows by group, in the order of the table; empty groups are left out. */
 export function grouped(table: readonly Parameter[], values: Values): readonly Group[] {
   const groups = new Map<string, Parameter[]>();
   for (const row of table) {

@@ -1,4 +1,4 @@
-/** The path of the lab's robot: its goal, how it is planned and driven, and scenes that show why it is as it is. */
+/** The path of the lab's robot: its goal, planning and driving, and scenes that explain it. */
 
 import { effect, signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
@@ -29,7 +29,7 @@ interface Scene {
   readonly steps: readonly Step[];
 }
 
-/** The world of the scenes, and where the robot stands in it: in the corridor, looking along it. */
+/** The world of the scenes, and the robot's initial pose in it: in the corridor, facing along it. */
 const WORLD = "office";
 const START: Point = [6.2, 7];
 const CORRIDOR: Point = [12, 7];
@@ -43,13 +43,13 @@ interface Setting {
   readonly values: Values;
   readonly goal: Point;
   readonly footprint?: readonly Point[];
-  /** Solids that stand there before the costmap is made. */
+  /** Solids that are added before the costmap is created. */
   readonly added?: readonly DrawnSolid[];
-  /** Whether the map begins again, with this clamp. */
+  /** Whether the map is restarted, with this clamp. */
   readonly clamp?: boolean;
 }
 
-/** Put world, robot, costmap and goal as a scene begins. */
+/** Set world, robot, costmap and goal to the start of a scene. */
 function set(store: Store, { values, goal, footprint, added = [], clamp }: Setting): void {
   store.send({ type: "edit", added, erased: [] });
   if (clamp !== undefined) {
@@ -100,7 +100,7 @@ const SCENES: readonly Scene[] = [
         label: "Map a table, clamp off",
         look: "Only the static layer is on: the belief itself. Each scan adds to the log-odds of the table’s cells, without a limit. Let some seconds pass.",
         run: (store) => {
-          // What the table hides is unknown, and may be crossed.
+          // The area hidden by the table is unknown, and may be crossed.
           const values = { ...STATIC_ONLY, allow_unknown: true };
           set(store, { values, goal: BEHIND, added: [TABLE], clamp: false });
         },
@@ -149,7 +149,7 @@ interface Shown {
   readonly step: number;
 }
 
-/** Of a store the scene that it shows; it stays while another group is open. */
+/** The scene shown by each store; it is kept while another group is open. */
 const SHOWN = new WeakMap<Store, ReturnType<typeof signal<Shown | null>>>();
 
 function shownOf(store: Store) {
@@ -237,7 +237,7 @@ export function PathGroup({ store }: { readonly store: Store }) {
   );
 }
 
-/** Whether the robot can drive along the path: that of a log cannot. */
+/** Whether the robot can drive along the path; that of a log cannot. */
 const isDriven = (store: Store): boolean => KINDS[store.hello.value?.kind ?? ""]?.isDriven ?? false;
 
 function Outcome({ store }: { readonly store: Store }) {
@@ -275,11 +275,11 @@ function Outcome({ store }: { readonly store: Store }) {
 }
 
 interface PathNumbersProps {
-  /** The path; null before there is a goal. */
+  /** The path; null without a goal. */
   readonly path: PathMessage | null;
 }
 
-/** Numbers of a path. Before there is a goal they are dashes, which show what a goal will tell. */
+/** Numbers of a path. Without a goal they are dashes, which show what will be there. */
 export function PathNumbers({ path }: PathNumbersProps) {
   const number = (value: number | null | undefined, digits: number, unit: string): string =>
     value === null || value === undefined ? `– ${unit}` : `${written(value, digits)} ${unit}`;

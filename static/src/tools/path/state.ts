@@ -1,4 +1,4 @@
-/** What the user does with the path: where its goal is, and where it is dragged to. */
+/** The user's state of the path: the goal, and the place to which it is dragged. */
 
 import { type Signal, signal } from "@preact/signals";
 import type { Store } from "../../store/store";
@@ -7,7 +7,7 @@ import type { PathMessage, Point } from "../../wire/protocol";
 class PathState {
   /** The newest message; null before the first. */
   readonly path: Signal<PathMessage | null>;
-  /** Where the goal is dragged to; null while it is not. */
+  /** The place to which the goal is dragged; null while it is not. */
   readonly goalAt = signal<Point | null>(null);
   readonly #store: Store;
 
@@ -16,7 +16,7 @@ class PathState {
     this.path = store.part("path").message;
   }
 
-  /** Set the goal of the path, at once: the path has to be planned before the hand has moved on. Null for none. */
+  /** Set the goal of the path, immediately, so that the path is planned while the pointer moves. Null removes it. */
   setGoal(point: Point | null): void {
     this.#store.send(point ? { type: "goal", x: point[0], y: point[1] } : { type: "goal" });
   }

@@ -32,9 +32,9 @@ import { mapSurface } from "./mapSurface";
 
 interface BeliefViewProps {
   readonly store: Store;
-  /** Called on a click on the map; without it a click pins the cell. */
+  /** Called for a click on the map; without it, a click pins the cell. */
   readonly onTap?: (point: Point) => void;
-  /** Takes a click first; true where it was meant for it. */
+  /** Called for a click first; true if it was handled. */
   readonly takesTap?: (point: Point) => boolean;
   /** Called with the picture. */
   readonly onPicture?: (picture: Picture) => void;
@@ -107,7 +107,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
   );
 }
 
-/** The grid that is shown in place of the map; null for none, or while none was received. */
+/** The grid shown instead of the map; null for none, or while none was received. */
 function underlay(store: Store): readonly [Layer] | null {
   const name = store.underlay.peek();
   const map = name === null ? null : store.layers.grid(name).map.peek();
@@ -147,7 +147,7 @@ function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>
   const from = store.beliefPose.peek();
   const map = store.map.peek();
   const trajectory = store.trajectory.peek();
-  // A map to localize in has another frame than poses that do not come from a localization.
+  // A map for localization has another frame than poses that do not come from localization.
   if (store.underlay.peek() === GIVEN_MAP && !store.part("localization").message.peek()?.is_on) return false;
   if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;

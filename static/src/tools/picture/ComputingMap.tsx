@@ -2,7 +2,7 @@ import type { Store } from "../../store/store";
 import { Working } from "../../ui/Working";
 import { computingText } from "../parts";
 
-/** The progress of what the session computes for long, over the picture of its map, with a button that cancels it. */
+/** The progress of a long computation of the session, over the picture of its map, with a button that cancels it. */
 export function ComputingMap({ store }: { readonly store: Store }) {
   return (
     <Working

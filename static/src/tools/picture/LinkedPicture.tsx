@@ -18,11 +18,11 @@ import { pathOf } from "../path/state";
 /** A tool that draws in a picture; places are in the world. */
 interface PictureTool {
   draws(): boolean;
-  /** A stroke from `from` so far to `to`, null where it was cancelled. */
+  /** A stroke from `from` so far to `to`, null if it was cancelled. */
   stroke(from: Point | null, to: Point | null, isDone: boolean): void;
-  /** A tap or click; true where it was meant for the tool. */
+  /** A tap or click; true if it was handled. */
   tap?(point: Point): boolean;
-  /** A key of the focused picture; true where it was meant for the tool. */
+  /** A key of the focused picture; true if it was handled. */
   key(key: string): boolean;
 }
 
@@ -40,7 +40,7 @@ interface LinkedPictureProps {
   readonly onPicture?: (picture: Picture) => void;
   /** Whether the editing tools work in this picture. */
   readonly draws?: boolean;
-  /** A tool that takes the drags in this picture while it `draws`, and its taps and keys first. */
+  /** A tool that handles drags in this picture while it `draws`, and first handles its taps and keys. */
   readonly tool?: PictureTool;
   readonly children?: ComponentChildren;
 }
@@ -108,7 +108,7 @@ export function LinkedPicture({
         },
         doubleTap: (x, y) => {
           const point = inWorld(x, y);
-          // Two sides of a door are near each other where it is small in the picture.
+          // The two sides of a door are close to each other if it is small in the picture.
           if (!point || !tool?.tap?.(point)) store.viewHeld.value = false;
         },
         dragRobot: (at) => {

@@ -1,4 +1,4 @@
-/** The whole map in a corner of a picture that shows a part of it; a click or a drag there moves the picture. */
+/** The whole map in a corner of a picture that shows a part of it. A click or a drag there moves the picture. */
 
 import { useComputed } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -17,10 +17,10 @@ import "./picture.css";
 /** The largest overview, and the smallest picture that has room for one, CSS px. */
 const LARGEST: Size = { width: 168, height: 126 };
 const LEAST_PICTURE: Size = { width: 560, height: 360 };
-/** A map that is as long as a corridor still has so high an overview, CSS px. */
+/** The least height or width of the overview of a map as long as a corridor, CSS px. */
 const LEAST_SIDE = 28;
 
-/** The corners of what a picture shows of the world. */
+/** The bounds of the part of the world that a picture shows. */
 function visible(view: View, { width, height }: Size): Bounds {
   const [wide, high] = [(width / 2) * view.scale, (height / 2) * view.scale];
   return [view.x - wide, view.y - high, view.x + wide, view.y + high];
@@ -30,11 +30,11 @@ interface OverviewBox {
   readonly size: Size;
   /** The view of the whole map in the overview. */
   readonly whole: View;
-  /** Left, top, width and height of what the picture shows, CSS px in the overview. */
+  /** Left, top, width and height of the part that the picture shows, CSS px in the overview. */
   readonly shown: readonly [left: number, top: number, width: number, height: number];
 }
 
-/** Where the overview has what; null where the picture shows all of `bounds`, or has no room. */
+/** The geometry of the overview; null if the picture shows all of `bounds`, or has no room. */
 export function overviewBox(bounds: Bounds, view: View, picture: Size): OverviewBox | null {
   if (picture.width < LEAST_PICTURE.width || picture.height < LEAST_PICTURE.height) return null;
   const [x0, y0, x1, y1] = bounds;
@@ -52,15 +52,15 @@ export function overviewBox(bounds: Bounds, view: View, picture: Size): Overview
   return { size, whole, shown };
 }
 
-/** The view centred at a place, or at the nearest one of the map. */
+/** The view centred at a place, or at the nearest place of the map. */
 export function centredAt(view: View, [x0, y0, x1, y1]: Bounds, [x, y]: Point): View {
   return { ...view, x: Math.min(x1, Math.max(x0, x)), y: Math.min(y1, Math.max(y0, y)) };
 }
 
-/** Between two paintings of a map that changes, ms. */
+/** Pause between two repaints of a changing map, ms. */
 const PAUSE_MS = 250;
 
-/** Fills the element that contains the picture, without taking its gestures. */
+/** Fills the element that contains the picture, without handling its gestures. */
 export function Overview({ store }: { readonly store: Store }) {
   const frame = useRef<HTMLDivElement>(null);
   const size = useSize(frame, 1);
@@ -77,7 +77,7 @@ export function Overview({ store }: { readonly store: Store }) {
 
 function Box({ store, box: { size, whole, shown } }: { readonly store: Store; readonly box: OverviewBox }) {
   const canvas = useRef<HTMLCanvasElement>(null);
-  /** From the place that is pressed to the centre of the view, metres; null while nothing is pressed. */
+  /** From the pressed place to the centre of the view, metres; null if nothing is pressed. */
   const held = useRef<Point | null>(null);
   const under = store.underlay.value;
   const map = under === null ? store.map.value : store.layers.grid(under).map.value;
@@ -90,7 +90,7 @@ function Box({ store, box: { size, whole, shown } }: { readonly store: Store; re
       painted.current = { at: performance.now(), what };
       if (canvas.current && map) paintMap(canvas.current, map, whole, size);
     };
-    // A map of another size or place at once, as what is painted would be at the wrong place.
+    // A map of another size or position is painted at once, because the old image would be at the wrong place.
     const wait = painted.current.what === what ? painted.current.at + PAUSE_MS - performance.now() : 0;
     if (wait <= 0) return paint();
     const timer = setTimeout(paint, wait);

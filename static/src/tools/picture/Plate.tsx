@@ -4,7 +4,7 @@ import "./picture.css";
 interface PlateProps {
   readonly title: string;
   readonly note?: string;
-  /** Of a picture in a view, which has its name: the menu of views, in the place of the title; null for none. */
+  /** For a picture in a view with a name: the menu of views, instead of the title; null for none. */
   readonly head?: ComponentChildren;
   readonly actions?: ComponentChildren;
   readonly caption?: ComponentChildren;

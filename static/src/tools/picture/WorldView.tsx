@@ -55,7 +55,7 @@ function paintPlan(store: Store, canvas: HTMLCanvasElement, size: { width: numbe
   for (const polygon of world.polygons) tracePolygon(brush, polygon);
   ctx.fillStyle = colours.solid;
   ctx.fill("nonzero");
-  // What has a height of its own: beams may pass above or below it.
+  // Solids with their own heights, which beams may pass above or below.
   ctx.beginPath();
   for (const block of world.blocks ?? []) tracePolygon(brush, block.outline);
   ctx.setLineDash([5, 3]);
@@ -140,7 +140,7 @@ function paintOverlay(store: Store, brush: Brush, fade: ScanFade, now: number): 
   const from = frame.scan_pose;
   paintBeams(brush, from, frame, frame.range_max, strength);
   const inspected = store.inspectedBeam.peek();
-  const beam = inspected && beamAt(frame, inspected.index); // the true beam, whatever faults the map is made with
+  const beam = inspected && beamAt(frame, inspected.index); // the true beam, whatever faults the map has
   if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
   paintWhy(store, brush);
   paintEditing(store, brush);
@@ -160,7 +160,7 @@ function paintOverlay(store: Store, brush: Brush, fade: ScanFade, now: number): 
   return ripples || strength > 0;
 }
 
-/** Mark the pointer while it drags the robot: the robot itself stays out of walls. */
+/** Mark the pointer while it drags the robot, because the robot itself stays out of walls. */
 function paintDragPointer(ctx: CanvasRenderingContext2D, [x, y]: readonly [number, number], style: string): void {
   ctx.beginPath();
   ctx.arc(x, y, 15, 0, 2 * Math.PI);

@@ -23,8 +23,8 @@ export interface Crossed {
 }
 
 /**
- * The cells on a beam and its evidence for them, as `evidence_along_beam` in mapper/mapping/textbook.py computes them;
- * for a cone the cells on its axis. `rangeMax` is the max range of sensor and map; `values` are the map's parameters.
+ * The cells on a beam and its evidence for them, as in `evidence_along_beam` in mapper/mapping/textbook.py; for a cone
+ * the cells on its axis. `rangeMax` is the max range of sensor and map; `values` are the map's parameters.
  */
 export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: number, values: Values): Crossed[] {
   const parameters: SensorModelParameters = {

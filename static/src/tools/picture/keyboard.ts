@@ -8,8 +8,8 @@ import { useTool } from "../costmap/mapTool";
 import { editAt } from "../editing/strokes";
 
 /**
- * What a click on a place of the world does, or Enter at the keyboard's cursor (`isKey`): the selected tool edits the
- * world there; without one the robot is placed there.
+ * The effect of a click on a place of the world, or of Enter at the keyboard's cursor (`isKey`): the selected tool
+ * edits the world there; without a tool the robot is placed there.
  */
 export function act(store: Store, point: Point, isKey = false): void {
   if (useTool(store, point)) return;
@@ -20,7 +20,7 @@ export function act(store: Store, point: Point, isKey = false): void {
 const FORWARD = 0.8; // m/s
 const BACK = -0.5;
 const TURN = 1.3; // rad/s
-/** The server holds a drive command for half a second; while a key is down it is repeated well before. */
+/** The server holds a drive command for half a second; while a key is down it is repeated well before that. */
 const REPEAT_MS = 150;
 
 const DRIVES: Readonly<Record<string, readonly [linear: number, angular: number]>> = {
@@ -73,7 +73,7 @@ function moveCursor(store: Store, row: number, col: number, size: Size): void {
   if (x < 0 || y < 0 || x > size.width || y > size.height) store.setView({ ...view, x: point[0], y: point[1] });
 }
 
-/** Handle the keys of a focused picture, which `takes` gets first; the returned function stops it. */
+/** Handle the keys of a focused picture, which are first passed to `takes`. The returned function stops it. */
 export function listenToKeys(
   element: HTMLElement,
   store: Store,

@@ -9,8 +9,8 @@ import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
 
 /**
- * How maps are drawn into a canvas on this machine; `redraw` is called when it must be drawn again although nothing of
- * the map changed. Throws one clear sentence where the browser can draw nothing.
+ * Draws maps into a canvas on this machine. `redraw` is called when it must be drawn again although the map has not
+ * changed. Throws one clear sentence if the browser cannot draw.
  */
 function createRenderer(canvas: HTMLCanvasElement, redraw: () => void): MapRenderer {
   const gl = webglContext(canvas);

@@ -6,7 +6,7 @@ import { written } from "../../ui/numbers";
 import type { MapTool } from "../costmap/state";
 import { costmapOf } from "../costmap/state";
 
-/** What a click does while a group of the costmap is open. */
+/** The effect of a click while a group of the costmap is open. */
 const MAP_TOOL_HINTS: Readonly<Record<MapTool, string>> = {
   goal: "Click to set the goal, or drag it.",
   keepout: "Drag to paint where the robot must not go.",
@@ -15,7 +15,7 @@ const MAP_TOOL_HINTS: Readonly<Record<MapTool, string>> = {
   cost: "Click a cell to ask for its cost.",
 };
 
-/** The button that puts the editing tools away: a click on the world then places the robot. */
+/** The button that deselects the editing tools, so that a click on the world places the robot. */
 export function PlaceRobot({ store }: { readonly store: Store }) {
   const isOn = store.editing.tool.value === null;
   return (
@@ -23,7 +23,7 @@ export function PlaceRobot({ store }: { readonly store: Store }) {
   );
 }
 
-/** One line on how the robot is placed and driven; nothing while a tool edits the world. */
+/** One line on how the robot is placed and driven; empty while a tool edits the world. */
 export function PlacingHint({ store }: { readonly store: Store }) {
   if (store.editing.tool.value !== null) return null;
   const tool = costmapOf(store).tool.value;

@@ -11,9 +11,9 @@ import { DistanceTitle } from "./Strip";
 import { ReadingLabel, WindowEdges } from "./sharedHandles";
 import type { ProfileView } from "./view";
 
-/** Cells narrower than this are painted in blocks, each with the increment at its middle, CSS pixels. */
+/** Cells narrower than this are painted in blocks, each with the increment at its centre, CSS pixels. */
 const LEAST_PX = 3;
-/** Where along the cone's edge its handle is, as a share of the reading. */
+/** Position of the handle along the cone's edge, as a share of the reading. */
 const HANDLE_AT = 0.72;
 
 /** The box of the cone: the sensor at the left, the axis in the middle, the same scale in both directions. */

@@ -8,7 +8,7 @@ import { level } from "./handles";
 import { RangeMaxFlag, ReadingLabel, WindowEdges } from "./sharedHandles";
 import type { ProfileView } from "./view";
 
-/** Ticks of the probability axis by priority: where space is short, the later ones are left out. */
+/** Ticks of the probability axis by priority; if space is short, the later ones are left out. */
 const PROBABILITIES = [0.5, 0.2, 0.8, 0.7, 0.3, 0.9, 0.1, 0.95, 0.05, 0.6, 0.4, 0.99, 0.01];
 
 /** The two vertical axes: evidence in log-odds, and the resulting probability of a cell that had its prior. */
@@ -57,7 +57,7 @@ function Axes({ view }: { view: ProfileView }) {
   );
 }
 
-/** The title of a vertical axis, read from below, where the axis is long enough for it. */
+/** The title of a vertical axis, read from below, if the axis is long enough for it. */
 function AxisTitle({ x, y, text, high }: { x: number; y: number; text: string; high: number }) {
   const short = text.replace(/,? (log-odds|after one beam)$/, "");
   return (
@@ -67,7 +67,7 @@ function AxisTitle({ x, y, text, high }: { x: number; y: number; text: string; h
   );
 }
 
-/** Half the width of a character of a label, and the least gap between two labels beside each other, pixels. */
+/** Half the width of a character of a label, and the least gap between two adjacent labels, pixels. */
 const HALF_CHARACTER = 3.3;
 const LABEL_GAP = 8;
 /** Height of a line of a label, pixels. */
@@ -78,7 +78,7 @@ const labelWidth = (text: string): number => 2 * HALF_CHARACTER * text.length;
 /** Length of the arrow at an edge of the window with the gap before it, pixels. */
 const ARROW = 18;
 
-/** Names of the two levels in the models where they differ. */
+/** Names of the two levels in the models, if they differ. */
 const NAMES: Readonly<Record<string, { readonly hit: string; readonly miss: string }>> = {
   step_window: { hit: "Probability of a cell hit", miss: "Probability of a cell passed" },
   hit_counting: { hit: "Change by the first hit", miss: "Change by the first miss" },
@@ -88,7 +88,7 @@ const NAMES: Readonly<Record<string, { readonly hit: string; readonly miss: stri
 const rampPoints = (low: number, high: number): readonly number[] =>
   Array.from({ length: 49 }, (_, i) => low + ((high - low) * i) / 48);
 
-/** The profile around the reading: a curve of which every part can be dragged. */
+/** The profile around the reading: a curve in which every part can be dragged. */
 export function Curve({ view, controls }: { view: ProfileView; controls: Controls }) {
   const { curve, strip } = view.layout.value;
   const values = view.values.value;
@@ -111,9 +111,9 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const hitTo = noReturn ? freeTo : x(z + half);
   const zx = x(z);
   const narrow = view.width.value < 560;
-  // In a low curve there is no room for the window's label over its top.
+  // A low curve has no room for the window's label above its top.
   const low = curve.bottom - curve.top < 110;
-  // With r = 0 the profile is a line at z; in the grid the whole cell that contains the endpoint gets its evidence.
+  // With r = 0 the profile is a line at z. In the grid, the whole cell that contains the endpoint gets its evidence.
   const cell = cellIndexAt(z, values.resolution) * values.resolution;
   const hit = level("hit", values, controls.bounds);
   const miss = level("miss", values, controls.bounds);
@@ -123,24 +123,24 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const windowText = half === 0 ? "w 0: one cell" : `${isRamp ? "4σ" : "w"} ${written(2 * half, 2)} m`;
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}${low && !narrow ? `, ${windowText}` : ""}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
-  // The label of a hit is on the side that has room for it; where neither has, it is the increment alone.
+  // The label of a hit is on the side that has room for it; if neither has, it is only the increment.
   const hitWidth = labelWidth(hitText);
   const [leftRoom, rightRoom] = [labelTo - curve.left, curve.right - labelFrom];
   const labelLeft = rightRoom < hitWidth && leftRoom > rightRoom;
   const hitLabelY = y(model.hit) + 5;
-  // Wholly in the curve or wholly above it: never across its upper edge.
+  // Completely within the curve or above it, never across its upper edge.
   const overHit = y(model.hit) - 13;
   const windowTextY = overHit > curve.top + 11 ? overHit : curve.top - 3;
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;
-  // A short free part, as on a phone, may be narrower than the label, which would lie over the numbers of the axis.
-  // Where the window's arrow is as low as the label, it ends before the arrow.
-  // Below the handle, or above the line of 0 where a strong hit leaves no room below.
+  // A short free part, as on a phone, may be narrower than the label, which would then cover the numbers of the axis.
+  // If the window's arrow is as low as the label, the label ends before the arrow. It is below the handle, or above the
+  // line of 0 if a strong hit leaves no room below.
   const belowMiss = Math.min(y(model.miss) + 24, curve.bottom - 6);
   const missLabelY = belowMiss > y(model.miss) + 16 ? belowMiss : Math.min(y0, y(model.miss)) - 11;
   const isBesideArrow = Math.abs(missLabelY - 5 - edgeAt) < 18;
-  // In a low curve both labels may be left of the window, at one height: the miss is then left of the hit.
+  // In a low curve both labels may be left of the window, at the same height; the miss is then left of the hit.
   const isBesideHit = labelLeft && !noReturn && Math.abs(missLabelY - hitLabelY) < LABEL_HEIGHT;
   const hitRoom = Math.max(leftRoom, rightRoom) - (isBesideHit ? labelWidth(signed(model.miss)) + LABEL_GAP : 0);
   const hitLabel = hitRoom < hitWidth ? signed(model.hit) : hitText;
@@ -151,7 +151,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const missLabel = missEnd - curve.left < labelWidth(missText) ? signed(model.miss) : missText;
   const missHalf = labelWidth(missLabel) / 2;
   const missLabelX = Math.max(Math.min((curve.left + freeTo) / 2, missEnd - missHalf), curve.left + missHalf);
-  // A ramp has no steps: it is drawn from one side of the window to the other, negative and positive part apart.
+  // A ramp has no steps. It is drawn from one side of the window to the other, negative and positive part apart.
   const widest = isRamp ? 2 * controls.bounds("sigma").high : controls.bounds("window").high / 2;
   const ramp = isRamp
     ? rampPoints(Math.max(0, z - half), z + half).map((s) => [x(s), increment(s, z, values)] as const)
@@ -211,7 +211,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       )}
       {rangeShown && <line class="range-line" x1={rangeX} x2={rangeX} y1={curve.top} y2={curve.bottom} />}
       {!noReturn && (
-        // It begins below the window's label, whose middle is at the reading.
+        // It begins below the window's label, whose centre is at the reading.
         <line class="reading-line" x1={zx} x2={zx} y1={low ? curve.top : windowTextY + 4} y2={strip.top} />
       )}
       <path class="profile-line" d={line} />

@@ -85,7 +85,7 @@ export function Formula({ view }: { view: ProfileView }) {
   );
 }
 
-/** Longest text of a value that fits beside its condition on a phone, characters. */
+/** Greatest length of a value that fits next to its condition on a phone, characters. */
 const SHORT = 8;
 
 interface Row {
@@ -316,9 +316,9 @@ interface ProfileProps {
   readonly setParameter: (name: string, value: number) => void;
   /** Range of the inspected beam, metres; null for no return, undefined if there is no beam. */
   readonly reading: ReadonlySignal<number | null | undefined>;
-  /** Where its beam or cone is, as the legend names it: "straight ahead". */
+  /** The direction of its beam or cone in the legend: "straight ahead". */
   readonly where: string;
-  /** The reading that is set by dragging, metres, where others show it too; null while the figure follows the beam. */
+  /** The reading set by dragging, metres, if other figures show it too; null while the figure follows the beam. */
   readonly grabbed?: Signal<number | null>;
 }
 
@@ -362,12 +362,12 @@ interface ProfileFigureProps {
   readonly view: ProfileView;
   readonly setParameter: ProfileProps["setParameter"];
   readonly where: string;
-  /** Whether it fills the height of its place, instead of having the height that it needs; it then has a title. */
+  /** Whether it fills the height of its container, instead of having its natural height; it then has a title. */
   readonly fits?: boolean;
   readonly children?: ComponentChildren;
 }
 
-/** The figure of a profile, and what stands below it. */
+/** The figure of a profile, and the content below it. */
 export function ProfileFigure({ view, setParameter, where, fits = false, children }: ProfileFigureProps) {
   const { reading } = view;
   const controls = useMemo(() => {
@@ -390,7 +390,7 @@ export function ProfileFigure({ view, setParameter, where, fits = false, childre
   const { width, height, curve, strip } = view.layout.value;
   const { scale } = measured.value;
   const hover = (event: PointerEvent): void => {
-    // The frame's position is not read while a handle is dragged: that would force a layout in every frame of the drag.
+    // The frame's position is not read while a handle is dragged, which would force a layout in every frame.
     const box = view.held.peek() === null && frame.current?.getBoundingClientRect();
     if (!box) return;
     const zoom = zoomOf(event.currentTarget as Element);

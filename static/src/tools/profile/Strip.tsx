@@ -31,7 +31,7 @@ export function Strip({ view }: { view: ProfileView }) {
   const first = Math.max(0, cellIndexAt(scale.low, resolution));
   const last = cellIndexAt(scale.high - 1e-9, resolution);
   const paths: Record<Zone, string> = { free: "", hit: "", beyond: "" };
-  // Where the cells of a zone get different increments, the opacity of each shows its own.
+  // If the cells of a zone get different increments, the opacity of each shows its own.
   const shades: { readonly d: string; readonly zone: Zone; readonly share: number }[] = [];
   for (let index = first; index <= last; index++) {
     const left = Math.max(strip.left, x(index * resolution));
@@ -142,7 +142,7 @@ export function Strip({ view }: { view: ProfileView }) {
   );
 }
 
-/** The title of the axis of distances: under its ticks where there is room, else at its end. */
+/** The title of the distance axis: under its ticks if there is room, otherwise at its end. */
 export function DistanceTitle({ layout }: { layout: Layout }) {
   const { strip, height, width } = layout;
   return height - strip.bottom > 50 ? (

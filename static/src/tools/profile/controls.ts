@@ -68,7 +68,7 @@ export function controlsFor(
     const scale = on === "beam" ? view.beamScale.peek() : view.xScale.peek();
     return (scale.high - scale.low) / (scale.to - scale.from);
   };
-  // A reading can be dragged a little beyond the max range, to show a beam without a return.
+  // A reading can be dragged slightly beyond the max range, to show a beam without a return.
   const readingRange = (): Range => ({ low: 0.01, high: 1.12 * view.values.peek().range_max, step: 0.01 });
   const readingNow = (): number => Math.min(view.z.peek(), readingRange().high);
 

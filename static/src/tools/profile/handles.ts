@@ -84,7 +84,7 @@ export function dragLevel(
   return { name, value: snap(wanted, finer(range, fine)) };
 }
 
-/** Move an edge of the window to distance `s` from the sensor; the other edge follows, the reading stays. */
+/** Move an edge of the window to distance `s` from the sensor. The other edge follows, the reading does not move. */
 export function dragEdge(
   side: "near" | "far",
   s: number,
@@ -115,7 +115,7 @@ export function keyLevel(
   bounds: Bounds,
 ): Setting | null {
   const { name, range, value } = level(which, values, bounds);
-  // The greater the prior weight, the smaller the change by a first hit, so up must decrease the weight.
+  // The greater the prior weight, the smaller the change by a first hit, so the up key must decrease the weight.
   const along = name === "prior_weight" && which === "hit" ? (OPPOSITE[key] ?? key) : key;
   const next = keyed(along, shift, value, range, range.step / 5);
   return next === null ? null : { name, value: next };

@@ -18,10 +18,10 @@ export interface Layout {
   readonly strip: Box;
 }
 
-/** Least height of the curve, below which the figure is cut off instead. */
+/** Least height of the curve; below it the figure is truncated instead. */
 const LEAST_CURVE = 60;
 
-/** The layout in a width, and in a height where the place of the figure has one: its parts are then closer together. */
+/** The layout for a width, and for a height if the figure's container has one: its parts are then closer together. */
 export function layoutFor(width: number, height: number | null = null): Layout {
   const narrow = width < 560;
   const left = narrow ? 56 : 62;
@@ -52,8 +52,8 @@ export function lensSpan(resolution: number, window: number, total: number, widt
 }
 
 /**
- * The enlarged part that contains a point: unchanged while the point is well inside, so that the cells do not move with
- * the noise of the reading, otherwise moved so that the point is right of the middle.
+ * The enlarged part that contains a point. It is unchanged while the point is well inside, so that the cells do not
+ * move with the noise of the reading; otherwise the point becomes right of the centre.
  */
 export function lensFor(point: number, span: number, total: number, before: Lens | null): Lens {
   const start = (wanted: number): number => Math.min(Math.max(0, wanted), Math.max(0, total - span));
@@ -65,7 +65,7 @@ export function lensFor(point: number, span: number, total: number, before: Lens
   return { start: start(point - 0.6 * span), span };
 }
 
-/** Move the enlarged part as little as needed to contain a point that is dragged. */
+/** Move the enlarged part as little as necessary to contain a dragged point. */
 export function lensKeeping(point: number, lens: Lens): Lens {
   const margin = 0.08 * lens.span;
   if (point < lens.start + margin) return { start: Math.max(0, point - margin), span: lens.span };

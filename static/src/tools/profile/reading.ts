@@ -1,7 +1,7 @@
 import type { Store } from "../../store/store";
 
 /**
- * The range that the profile shows: of the beam towards the inspected point; without one, of the beam with a return
+ * The range shown in the profile: that of the beam towards the inspected point; without one, of the beam with a return
  * that is nearest to straight ahead. Metres, null for no return, undefined before the first scan.
  */
 export function profileReading(store: Store): number | null | undefined {

@@ -59,7 +59,7 @@ export function WindowEdges({ view, controls, name, near, far, y, top, height, w
 
 interface ReadingLabelProps extends SharedHandleProps {
   readonly x: number;
-  /** The middle of the label, and the area around it that can be dragged. */
+  /** The middle of the label, and the draggable area around it. */
   readonly y: number;
   readonly above: number;
   readonly height: number;

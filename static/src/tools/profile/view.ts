@@ -33,13 +33,13 @@ const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 /** State of the profile: the reading, the enlarged part, the axes, and their animation; no markup. */
 export class ProfileView {
   readonly width = signal(720);
-  /** The height of its place; null where it has the height that it needs. */
+  /** The height of its container; null if it has its natural height. */
   readonly height = signal<number | null>(null);
   readonly layout: ReadonlySignal<Layout> = computed(() => layoutFor(this.width.value, this.height.value));
   /** Index of the cell under the pointer. */
   readonly hovered = signal<number | null>(null);
   readonly held = signal<HandleName | null>(null);
-  /** Whether the pointer is on the figure: the reading is then paused, or handles would move away from the pointer. */
+  /** Whether the pointer is on the figure. The reading is then paused, or handles would move away from the pointer. */
   readonly hasPointer = signal(false);
   readonly values: ReadonlySignal<SensorModelParameters>;
   /** The reading shown, metres; Infinity for no return. */
@@ -108,7 +108,7 @@ export class ProfileView {
     return { low: 0, high: this.total.value, from: left, to: right };
   });
 
-  // The axis must not grow while one of its own handles is dragged: the handle would move away from the pointer.
+  // The axis must not grow while one of its own handles is dragged, or it would move away from the pointer.
   #followTotal(): void {
     const wanted = Math.max(1.25 * this.values.value.range_max, 1);
     if (this.held.value === null) this.total.value = wanted;

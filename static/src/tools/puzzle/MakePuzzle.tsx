@@ -1,4 +1,4 @@
-/** Makes a puzzle of what a session shows, and its link. */
+/** Creates a puzzle from the current state of a session, and its link. */
 
 import { useSignal } from "@preact/signals";
 import { Button } from "../../ui/Button";
@@ -10,7 +10,7 @@ import "./makePuzzle.css";
 
 const AS_IT_IS: NamedCause = { name: "as-it-is", label: "The fault that this map has now" };
 
-/** A button that opens the choice of the fault, and one that makes the link. */
+/** A button that opens the choice of the fault, and one that creates the link. */
 export function MakePuzzle({ session }: { readonly session: string }) {
   const faults = useSignal<readonly NamedCause[] | null>(null);
   const fault = useSignal(AS_IT_IS.name);

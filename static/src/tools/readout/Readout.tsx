@@ -53,7 +53,7 @@ function wordsOf({ row, col, state, logOdds, p }: Reading): string {
   return `Row ${row}, column ${col}: ${state}${value}`;
 }
 
-/** Announces the inspected cell when it becomes another one, not each time that its value changes. */
+/** Announces the inspected cell when another one is inspected, not when its value changes. */
 function CellAnnouncement({ reading }: { readonly reading: ReadonlySignal<Reading> }) {
   const place = useMemo(() => computed(() => `${reading.value.row} ${reading.value.col}`), [reading]);
   void place.value;
@@ -148,7 +148,7 @@ const LEGEND = [
   ["unobserved", "never seen"],
 ];
 
-/** What the colours of the map mean, while no cell is inspected. Its place is kept where another grid lies under it. */
+/** The meaning of the map's colours, while no cell is inspected. Its space is kept if another grid is shown. */
 function MapLegend({ store, isShown }: { readonly store: Store; readonly isShown: boolean }) {
   const name = store.underlay.value;
   const under = name === null ? null : store.layers.grid(name).map.value;

@@ -8,7 +8,7 @@ interface PickingSceneProps {
   readonly session: string;
 }
 
-/** The 3D view of a log, and in words what is selected in it and on the map. */
+/** The 3D view of a log, and a text about the selection in it and on the map. */
 export function PickingScene({ store, session }: PickingSceneProps) {
   const selection = selectionOf(store).value;
   return (
@@ -22,7 +22,7 @@ export function PickingScene({ store, session }: PickingSceneProps) {
 
 const DEGREE = 180 / Math.PI;
 
-/** What is selected, its values, and where it says why. */
+/** The selection, its values, and where it is explained. */
 function wordsOf({ what, place: [x, y], yaw, scans }: Selection): string {
   const place = `x ${written(x, 2)} m, y ${written(y, 2)} m`;
   const names = scans.map((scan) => scan + 1).join(" and ");

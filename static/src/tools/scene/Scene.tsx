@@ -1,4 +1,4 @@
-/** The 3D view of a session: the canvas of the server's scene, and our own controls of its camera and its layers. */
+/** The 3D view of a session: the canvas of the server's scene, and the page's controls of its camera and its layers. */
 
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -21,14 +21,14 @@ interface SceneProps {
   readonly hasColumns?: boolean;
   /** Further buttons below the picture. */
   readonly actions?: ComponentChildren;
-  /** What is said below the picture, in one line of a wide view and two of a narrow one. */
+  /** Text below the picture, in one line of a wide view and two of a narrow one. */
   readonly children?: ComponentChildren;
 }
 
-/** In a lower view the controls are folded until somebody unfolds them: they would take half of it, px. */
+/** In a lower view the controls are folded until the user unfolds them, because they would take half of it, px. */
 const LOW = 400;
 
-/** Whether the controls are unfolded, as it was chosen last; null: where there is room for them. */
+/** Whether the controls are unfolded, by the last choice; null: if there is room for them. */
 const unfolded = kept<boolean | null>(
   "gridbloom.3d.controls",
   null,
@@ -52,7 +52,7 @@ export function Scene({ store, session, hasColumns = true, actions, children }: 
   useSelectedPlace(store);
   const enlarge = (): void => {
     if (!place.current || !group.current) return;
-    // Its place in the panel is kept, and is as much higher as the panel may become: so the panel does not scroll.
+    // Its space in the panel is reserved, plus the amount by which the panel may grow, to avoid scrolling.
     const room = group.current.offsetHeight + Math.max(0, screen.height - innerHeight);
     if (!document.fullscreenElement) place.current.style.minHeight = `${room}px`;
     fullScreen(group.current);
@@ -88,10 +88,10 @@ function SceneControls({ store, isUnfolded, ...more }: SceneControlsProps) {
   const row = useRef<HTMLDivElement>(null);
   const isChosen = useRef(false);
   useLayoutEffect(() => {
-    // The picture gives its height to the controls, and takes it back: the button is not to leave the view.
+    // The controls reduce the height of the picture and give it back, so the button must be scrolled into view.
     if (isChosen.current) row.current?.scrollIntoView({ block: "nearest" });
   }, [isUnfolded]);
-  if (!store.part("scene").message.value) return null; // all of them come at once, so that none moves when others come
+  if (!store.part("scene").message.value) return null; // all of them appear at once, so that none moves
   return (
     <div class={`scene-controls stack-tight ${isUnfolded ? "" : "folded"}`.trim()}>
       <div class="actions" ref={row}>

@@ -10,7 +10,7 @@ import type { SceneSettings } from "../../wire/http";
 import { scaleText } from "../measure/model";
 import { changeScene } from "./SceneFrame";
 
-/** Save what the 3D view in a part of the page shows, on the ground of its own page, as a PNG of as many pixels. */
+/** Save the 3D view in a part of the page, on the background of its page, as a PNG with the same number of pixels. */
 export function savePicture(part: HTMLElement | null): void {
   const inside = part?.querySelector("iframe")?.contentDocument;
   const drawn = inside?.querySelector<HTMLCanvasElement>("canvas[data-engine]");
@@ -40,7 +40,7 @@ interface SceneButtonsProps {
 export function SceneButtons({ store, session }: SceneButtonsProps) {
   const now = store.part("scene").message.value;
   const id = useId();
-  if (!now) return null; // all of them come at once, so that none moves when others come
+  if (!now) return null; // all of them appear at once, so that none moves when others appear
   const change = (wanted: SceneSettings): void => void changeScene(session, wanted);
   const cameras = now.cameras.map((camera) => ({
     camera,
@@ -75,7 +75,7 @@ interface CameraMenuProps {
   readonly onChoose: (camera: Camera) => void;
 }
 
-/** The cameras as a menu, in the place of their buttons where the view is narrow. Each can be chosen again. */
+/** The cameras as a menu, instead of buttons, if the view is narrow. Each can be chosen again. */
 function CameraMenu({ options, onChoose }: CameraMenuProps) {
   return (
     <select

@@ -11,7 +11,7 @@ import "./scene.css";
 
 declare global {
   interface Window {
-    /** Of the page of a 3D view: from where it is seen; null if that is not known. */
+    /** Of the page of a 3D view: its camera; null if unknown. */
     sceneCamera?: () => ShownCamera | null;
   }
 }
@@ -20,7 +20,7 @@ class First {
   camera: ShownCamera | null = null;
 }
 
-/** From where the 3D views of a session are seen at first; null: from where all of it is in sight. */
+/** The initial camera of a session's 3D views; null: one that shows everything. */
 export const firstOf = (store: Store): First => store.of(First);
 
 const pathOf = (session: string): string => `/scenes/${encodeURIComponent(session)}/`;
@@ -35,13 +35,13 @@ export function sceneAddress(session: string, store: Store, isDark: boolean): st
   return `${pathOf(session)}plain/${store.page}/${query.length > 0 ? `?${query.join("&")}` : ""}`;
 }
 
-/** From where a session's 3D view in this page is seen; null where there is none. */
+/** The camera of a session's 3D view in this page; null if there is none. */
 export function sceneCamera(session: string): ShownCamera | null {
   const view = document.querySelector<HTMLIFrameElement>(`iframe[src^="${pathOf(session)}"]`);
   return view?.contentWindow?.sceneCamera?.() ?? null;
 }
 
-/** The camera of a session's 3D views that the visitor has chosen last by a button; null: none yet. */
+/** The camera button of a session's 3D views that the visitor has chosen last; null: none yet. */
 export const chosenCamera = async (session: string): Promise<NonNullable<SceneSettings["camera"]> | null> =>
   (await ask("GET /scenes/{session_id}/settings", { session_id: session })).camera;
 
@@ -61,7 +61,7 @@ interface SceneFrameProps {
   readonly title: string;
 }
 
-/** Says that it loads until the scene is shown, and again after a change of the colours or a lost connection. */
+/** Shows that it is loading until the scene is shown, and again after a change of the colours or a lost connection. */
 export function SceneFrame({ store, session, class: name, title }: SceneFrameProps) {
   const dark = useSignal(isDark.peek());
   const frame = useRef<HTMLIFrameElement>(null);
@@ -79,7 +79,7 @@ export function SceneFrame({ store, session, class: name, title }: SceneFramePro
     return () => view?.removeEventListener("scene", onScene);
   }, [address]);
   const onLoad = (): void => {
-    if (!frame.current?.contentWindow?.sceneCamera) shown.value = address; // another page, with a sentence of the server
+    if (!frame.current?.contentWindow?.sceneCamera) shown.value = address; // another page, with a server's message
   };
   return (
     <>

@@ -1,4 +1,4 @@
-/** What is selected in all views of a page: the explained cell, a pose, or a pair of scans; whichever came last. */
+/** The selection in all views of a page: the explained cell, a pose, or a pair of scans, the latest of them. */
 
 import { effect, type Signal, signal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
@@ -10,7 +10,7 @@ export interface Selection {
   readonly place: Point;
   /** Of the pose, rad; 0 for others. */
   readonly yaw: number;
-  /** The scans that it is of, from 0: that of the pose, or both of the pair. */
+  /** The corresponding scans, from 0: that of the pose, or both of the pair. */
   readonly scans: readonly number[];
 }
 
@@ -44,10 +44,10 @@ class SelectionState {
 
 export const selectionOf = (store: Store): Signal<Selection | null> => store.of(SelectionState).now;
 
-/** Have the selected place marked in the 3D views of this page, while one is there. */
+/** Mark the selected place in the page's 3D views, as long as there is one. */
 export function useSelectedPlace(store: Store): void {
   useSignalEffect(() => {
-    void store.hello.value; // of a new connection, which knows of no place
+    void store.hello.value; // of a new connection, which has no place yet
     store.send({ type: "select", place: selectionOf(store).value?.place ?? null });
   });
   useEffect(() => () => store.send({ type: "select" }), [store]);

@@ -8,7 +8,7 @@ interface Picks {
   readonly onPose: (scan: number) => void;
 }
 
-/** Select in all views what was clicked in a 3D view: the cell is explained. */
+/** Select in all views what was clicked in a 3D view; a cell is explained. */
 export function usePicked(store: Store, { onLoop, onPose }: Picks): void {
   useSignalEffect(() => {
     const picked = store.part("picked").message.value;

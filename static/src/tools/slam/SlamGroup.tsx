@@ -13,7 +13,7 @@ import { toScreen } from "../../render/view";
 
 /** Style of the layer. */
 const STYLE = "true_path";
-/** Metres between two scans: no drive is as fast, the robot was put elsewhere. */
+/** Metres between two scans: no drive is as fast, so the robot was placed elsewhere. */
 const CARRIED = 2;
 
 const paintTruePath: Overlay = ({ ctx, view, size, colours }, content) => {
@@ -48,7 +48,7 @@ const GRAPH = "slam";
 const PATH = "true_path";
 const DRIFT = FAULTS.find((fault) => fault.name === "drift");
 
-/** The number of loops of a graph: edges of odometry have no value. */
+/** The number of loops of a graph; edges of odometry have no value. */
 const loopsOf = (content: LayerContent | null): number =>
   content?.values?.reduce((sum, value) => sum + (Number.isNaN(value) ? 0 : 1), 0) ?? 0;
 

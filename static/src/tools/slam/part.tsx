@@ -15,7 +15,7 @@ function dots(brush: Brush, points: readonly Point[], colour: string, side: numb
   }
 }
 
-/** Crosses, so that the two scans differ by more than their colour. */
+/** Crosses, so that the two scans differ not only by colour. */
 function crosses(brush: Brush, points: readonly Point[], colour: string): void {
   const { ctx, view, size } = brush;
   ctx.beginPath();
@@ -31,7 +31,7 @@ function crosses(brush: Brush, points: readonly Point[], colour: string): void {
   ctx.stroke();
 }
 
-/** The two scans of a loop over the map: the first as it is, the second at its pose and where the loop puts it. */
+/** The two scans of a loop over the map: the first at its pose, the second at its pose and as placed by the loop. */
 function paintScanPair(store: Store, brush: Brush): void {
   const pair = store.scanPair.peek();
   if (!pair) return;

@@ -53,9 +53,9 @@ const paintPoseGraph: Overlay = (brush, content) => {
 
 OVERLAYS[STYLE] = paintPoseGraph;
 
-/** A loop within this distance of a place on the screen is meant by it. */
+/** A loop within this distance of a place on the screen is selected. */
 const REACH_PX = 10;
-/** Edges of odometry are many, and are meant only from nearer. */
+/** There are many edges of odometry, so they are selected only from a smaller distance. */
 const NEAR_PX = 4;
 
 function fromSegment(at: Point, [ax, ay]: Point, [bx, by]: Point): number {
@@ -65,15 +65,15 @@ function fromSegment(at: Point, [ax, ay]: Point, [bx, by]: Point): number {
   return Math.hypot(at[0] - ax - along * dx, at[1] - ay - along * dy);
 }
 
-/** The number of the loop nearest to a place, at most a few pixels of `scale` metres away; null for none. */
+/** The number of the loop nearest to a place, within a few pixels of `scale` metres; null for none. */
 export const loopAt = (content: LayerContent | null, at: Point, scale: number): number | null =>
   nearest(content, at, REACH_PX * scale, (value) => !Number.isNaN(value));
 
-/** The number of the edge at a place: a loop, or else one of odometry. */
+/** The number of the edge at a place: a loop, otherwise one of odometry. */
 export const edgeAt = (content: LayerContent | null, at: Point, scale: number): number | null =>
   loopAt(content, at, scale) ?? nearest(content, at, NEAR_PX * scale, Number.isNaN);
 
-/** The number of the nearest edge of a kind that its value tells, at most `reach` metres away. */
+/** The number of the nearest edge of a kind, determined by its value, at most `reach` metres away. */
 function nearest(
   content: LayerContent | null,
   at: Point,
@@ -111,7 +111,7 @@ export function whyNone({ visits, candidates }: Pick<TriedNear, "visits" | "cand
   return `The robot was here ${times}, but no loop was tried: between the visits the way was too short, or the poses were too far apart.`;
 }
 
-/** A residual in words, so that it is not told by colour alone. */
+/** A residual in words, so that it is not shown by colour alone. */
 export function residualLabel(residual: number): string {
   if (residual < LOOP_STRAINED) return "fits";
   return residual < LOOP_CONTRADICTS ? "strained" : "contradicts";

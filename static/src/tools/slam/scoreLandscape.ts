@@ -1,10 +1,10 @@
-/** The scores of the poses around a loop, as the server computes them, and what a place among them stands for. */
+/** The scores of the poses around a loop, as computed by the server, and the meaning of a place among them. */
 
 import type { ScanPair } from "../../store/sessionSignals";
 import type { ScoreLandscape } from "../../wire/http";
 import type { Point } from "../../wire/protocol";
 
-/** A cell of a landscape: its score in percent, and how far it is from the loop's measurement. */
+/** A cell of a landscape: its score in percent, and its offset from the loop's measurement. */
 export interface LandscapePlace {
   readonly col: number;
   readonly row: number;
@@ -14,7 +14,7 @@ export interface LandscapePlace {
   readonly turnDeg: number;
 }
 
-/** The cell at a column and row, which are limited to those of the landscape. */
+/** The cell at a column and row, which are clamped to the landscape. */
 export function placeAt(landscape: ScoreLandscape, col: number, row: number): LandscapePlace {
   const limited = (n: number): number => Math.min(landscape.size - 1, Math.max(0, Math.round(n)));
   const [c, r] = [limited(col), limited(row)];
@@ -36,7 +36,7 @@ export function summitOf(landscape: ScoreLandscape): LandscapePlace {
   return placeAt(landscape, index % landscape.size, Math.floor(index / landscape.size));
 }
 
-/** Where the present pose is among the cells, in columns and rows; it may lie outside. */
+/** The position of the current pose among the cells, in columns and rows; it may be outside. */
 export function presentIn(landscape: ScoreLandscape): Point {
   const middle = (landscape.size - 1) / 2;
   return [
@@ -45,7 +45,7 @@ export function presentIn(landscape: ScoreLandscape): Point {
   ];
 }
 
-/** Both scans, with the later one where a cell of the landscape puts it. */
+/** Both scans, with the later one placed by a cell of the landscape. */
 export function pairAt(pair: ScanPair, landscape: ScoreLandscape, { dx, dy, turnDeg }: LandscapePlace): ScanPair {
   const angle = (turnDeg * Math.PI) / 180;
   const [c, s] = [Math.cos(angle), Math.sin(angle)];

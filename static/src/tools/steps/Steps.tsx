@@ -22,7 +22,7 @@ const CENTRAL = 0.7;
 /** Metres per pixel of the zoomed-in view. */
 export const zoomedInScale = (geometry: Geometry): number => geometry.resolution / CELL_PX;
 
-/** A view that contains a cell: the present one if the cell is well inside, else centred on the cell. */
+/** A view that contains a cell: the current one if the cell is well inside, otherwise centred on the cell. */
 export function viewWithCell(view: View, size: Size, geometry: Geometry, cell: Cell): View {
   const [x, y] = centreOf(geometry, cell);
   const reach = (CENTRAL / 2) * view.scale;
@@ -49,7 +49,7 @@ export function StepButtons({ store }: { readonly store: Store | null }) {
 
 const UNIT_OPTIONS = UNITS.map((unit) => ({ value: unit, label: unit }));
 
-/** How far a step goes, and the current one in numbers. */
+/** The size of a step, and the current one in numbers. */
 export function Steps({ store }: { readonly store: Store }) {
   return (
     <div class="steps stack">

@@ -1,6 +1,6 @@
 /**
- * One scan, cell by cell: every update that the mapper makes with it, in the same order, as `update_per_beam` in
- * `mapper/mapping/textbook.py` does with Bresenham's line. Only for models that add log-odds along thin beams.
+ * One scan, cell by cell: every update that the mapper makes with it, in the same order, as in `update_per_beam` in
+ * `mapper/mapping/textbook.py` with Bresenham's line. Only for models that add log-odds along thin beams.
  */
 
 import { bresenhamSteps } from "../../grid/bresenham";
@@ -31,8 +31,8 @@ export function lessonConfig(values: Values): MappingConfig {
 }
 
 /**
- * Every update of one scan, in order of the beams. With `onlyHits` the misses of cells that the scan hits are 0, as
- * `hits_before_misses` in `mapper/mapping/textbook.py` has them; the order of 0 does not matter.
+ * Every update of one scan, in order of the beams. With `onlyHits` the misses of cells that the scan hits are 0, as in
+ * `hits_before_misses` in `mapper/mapping/textbook.py`; the order of zeros does not matter.
  */
 export function stepsOfScan(
   frame: Frame,
@@ -42,7 +42,7 @@ export function stepsOfScan(
   onlyHits: boolean,
 ): readonly Step[] {
   const greatest = Math.min(frame.range_max, config.range_max);
-  // A no return that counts as a hit is a reading of the max range; null is no return on the wire.
+  // A no return that counts as a hit is a reading of the max range; null means no return on the wire.
   const none = config.no_return === "hit" ? greatest : Number.POSITIVE_INFINITY;
   const ranges = Float32Array.from(frame.ranges, (range) => (range === null || range > greatest ? none : range));
   const scan = { ...frame, ranges, range_min: 0, range_max: frame.range_max };

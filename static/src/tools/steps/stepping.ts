@@ -11,7 +11,7 @@ import { lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "
 export const UNITS = ["cell", "beam", "scan", "second"] as const;
 export type Unit = (typeof UNITS)[number];
 
-/** Timeout of the server's answer to a step; a busy server, or a map that is made again, takes seconds. */
+/** Timeout of the server's answer to a step. A busy server, or a map that is recomputed, takes seconds. */
 const TIMEOUT_MS = 60_000;
 
 /** Wait until the number of scans in the map changes; false when the server refuses, or after the timeout. */
@@ -35,7 +35,7 @@ function indexChanged(store: Store): Promise<boolean> {
   });
 }
 
-/** Remove the newest scan from the map, to add it again cell by cell; with `onwards` a new scan is made first. */
+/** Remove the newest scan from the map, to add it again cell by cell; with `onwards`, first take a new scan. */
 async function begin(store: Store, onwards: boolean): Promise<Stepping | null> {
   const why = whyNoSteps(store.mapping.values.peek());
   if (why) {
@@ -68,7 +68,7 @@ export async function step(store: Store, unit: Unit, by: 1 | -1): Promise<void> 
   const stepping = store.stepping.peek();
   if (unit === "scan" || unit === "second") {
     const scans = unit === "scan" ? 1 : Math.round(Number(store.sensor.values.peek().scan_rate ?? 10));
-    // A scan whose cells were stepped through is displayed as if it were in the map: forward adds it.
+    // A scan that was stepped through is displayed as if it were in the map, so stepping forward adds it.
     store.stepping.value = null;
     store.send({ type: "step", scans: by * scans });
     return;
@@ -93,7 +93,7 @@ export function valueBeforeSteps(store: Store, { geometry, config }: Stepping, {
   if (byte === 0) return config.log_odds_prior;
   const exact = store.inspected.peek();
   if (exact?.row === row && exact.col === col && exact.epoch === store.map.peek()?.geometry.epoch) {
-    // The exact value from the server is used while it agrees with the cell's byte. Without a clamp the first and the
+    // The exact value from the server is used while it agrees with the cell's byte. Without a clamp, the first and the
     // last byte stand for all values beyond them.
     if (Math.abs(shownByteAt(exact.log_odds, geometry) - byte) <= 0.51) return exact.log_odds;
   }

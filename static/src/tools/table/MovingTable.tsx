@@ -21,11 +21,11 @@ import "./table.css";
 /** Side of the table and distances of its centre from the robot, metres. */
 const SIDE = 0.6;
 const DISTANCES = [1.6, 1.3, 1.0];
-/** Free space behind the table, so that beams pass through its cells once it is removed; metres. */
+/** Free space behind the table, so that beams pass through its cells once it is removed, metres. */
 const BEHIND = 0.3;
 const BEARINGS = 36;
 
-/** A table in front of the robot in free space of the newest scan, as near to straight ahead as possible; or null. */
+/** A table in front of the robot in free space of the newest scan, as close to straight ahead as possible; or null. */
 export function placeOf(frame: Frame): DrawnSolid | null {
   const bearings = Array.from(
     { length: BEARINGS },
@@ -43,7 +43,7 @@ export function placeOf(frame: Frame): DrawnSolid | null {
   return null;
 }
 
-/** Whether every beam that could hit the table, in any orientation of it, has a range beyond it. */
+/** Whether every beam that could hit the table, in any of its orientations, has a range beyond it. */
 function isOpen(frame: Frame, bearing: number, distance: number): boolean {
   const radius = (SIDE / 2) * Math.SQRT2;
   const half = Math.asin(Math.min(1, (radius + 0.1) / distance));
@@ -111,7 +111,7 @@ const LEFT = 58;
 const RIGHT = 12;
 const BOTTOM = HEIGHT - 40;
 const TOP = 18;
-/** Share of the table's cells that have to be free, as the mapper counts it. */
+/** Share of the table's cells that must be free, as counted by the mapper. */
 const FORGOTTEN = 0.9;
 const TICK_PX = 80;
 
@@ -185,7 +185,7 @@ interface MovingTableProps {
   readonly comparison: Comparison;
 }
 
-/** How far the maps have forgotten a removed object; null while this is not measured. */
+/** The state of forgetting a removed object; null if none is measured. */
 const watched = (message: Forgetting | null): Forgetting | null => (message && message.cells > 0 ? message : null);
 
 export function MovingTable({ store, comparison }: MovingTableProps) {

@@ -1,4 +1,4 @@
-/** The terrain of what the robot's 3D sensor measured: classes over the map, κ, windows, and a patch that is asked about. */
+/** The terrain from the robot's 3D sensor: classes over the map, κ, windows, and a queried patch. */
 
 import { useEffect, useMemo } from "preact/hooks";
 import { AskedPatch } from "../../lessons/terrain/AskedPatch";
@@ -39,7 +39,7 @@ const isProperty = (shown: Value | undefined): boolean => shown !== "costs" && s
 
 interface GroupProps {
   readonly store: Store;
-  /** Of a file, whose points are there; otherwise they are those of the lab's 3D map. */
+  /** For a file, whose points exist; otherwise they are those of the lab's 3D map. */
   readonly isFile?: boolean;
 }
 
@@ -69,7 +69,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
       end();
     };
   }, [store, isOn, shown]);
-  // A click on the map asks about the patch there.
+  // A click on the map queries the patch there.
   const pinned = store.pinned.value;
   useEffect(() => {
     if (isOn && pinned) store.send({ type: "terrain", x: pinned[0], y: pinned[1] });
@@ -107,7 +107,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   );
 }
 
-/** What the colours of the costs mean. */
+/** The meaning of the colours of the costs. */
 function Key() {
   return (
     <ul class="terrain-key" aria-label="Colours of the patches">
@@ -146,7 +146,7 @@ interface NumbersProps {
 
 const many = (n: number): string => n.toLocaleString("en");
 
-/** The same sentences at all times: what comes and goes would move the rows below under the pointer. */
+/** The same sentences at all times, because changing ones would move the rows below under the pointer. */
 function Numbers({ message, isFile, rows }: NumbersProps) {
   const { points, ground, unsure, left_out, kappa, total_error, truth, safe, unsafe, unknown, before, problem } =
     message;

@@ -29,7 +29,7 @@ export const PART: PagePart = {
   ],
 };
 
-/** Paint the outline of the patch that is asked about, over the map. */
+/** Paint the outline of the queried patch over the map. */
 function paintPatch(store: Store, brush: Brush): void {
   const patch = store.part("terrain").message.peek()?.patch;
   if (!patch || store.underlay.peek()?.startsWith("terrain") !== true) return;

@@ -1,4 +1,4 @@
-/** The clip box of a map in 3D, outside of which nothing is drawn. */
+/** The clip box of a 3D map, outside of which nothing is drawn. */
 
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
@@ -15,7 +15,7 @@ const AXES = [
 
 const within = ({ low, high }: Parameter, value: number): number => Math.min(high, Math.max(low, value));
 
-/** Two sliders for each axis, which do not pass each other. */
+/** Two sliders for each axis, which cannot pass each other. */
 export function ClipBox({ look: { rows, values, set, setAll } }: { readonly look: Look }) {
   const row = (name: string): Parameter | undefined => rows.find((row) => row.name === name);
   const ends = AXES.flatMap(([low, high]) => {

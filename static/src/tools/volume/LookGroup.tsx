@@ -6,12 +6,12 @@ import { ParameterRows } from "../parameters/ParameterRows";
 import { ClipBox } from "./ClipBox";
 import { useLook } from "./useLook";
 
-/** Names of the colourings that voxels have; the others are of points. */
+/** Names of the colourings of voxels; the others are for points. */
 const OF_VOXELS = ["height", "probability", "side", "normal"];
 const OF_BOTH = ["height"];
 const OF_SURFACES = ["height", "normal"];
 
-/** What is drawn: voxels or points, their colours, the cuts. */
+/** The display options: voxels or points, their colours, the cuts. */
 export function LookGroup({ store }: { readonly store: Store }) {
   const look = useLook(store);
   const now = store.part("volume").message.value;
@@ -74,7 +74,7 @@ function Key({ colour, show, now, band }: KeyProps) {
   return now.scale && <Scale scale={now.scale} colour={colour} />;
 }
 
-/** What is said at the end of a scale. */
+/** Text at the end of a scale. */
 const ENDS: Readonly<Record<string, string>> = {
   time: " after the first",
   difference: " and more to the nearest point of the other cloud",

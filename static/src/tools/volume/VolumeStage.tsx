@@ -1,4 +1,4 @@
-/** The picture of a map in 3D, drawn by the server's scene, with the buttons of its camera. */
+/** The picture of a 3D map, drawn by the server's scene, with the buttons of its camera. */
 
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";

@@ -54,7 +54,7 @@ interface UpdatesProps {
   readonly children: readonly ComponentChild[];
 }
 
-/** What scans did to a voxel, the newest first; nothing where none did anything. */
+/** The effect of scans on a voxel, newest first; empty if there was none. */
 function Updates({ columns, children }: UpdatesProps) {
   if (children.length === 0) return null;
   return (
@@ -78,7 +78,7 @@ function Updates({ columns, children }: UpdatesProps) {
 const probability = (logOdds: number): string => written(1 / (1 + Math.exp(-logOdds)), 2);
 const coordinates = (place: readonly number[]): string => place.map((coordinate) => written(coordinate, 2)).join(", ");
 
-/** Why the chosen voxel is as it is: what each scan did to it. */
+/** Why the chosen voxel has its state: the effect of each scan on it. */
 export function VoxelWhy({ store }: { readonly store: Store }) {
   const now = store.part("voxel").message.value;
   const ofSurface = store.part("surface_voxel").message.value;

@@ -1,11 +1,11 @@
-/** What is shown of a map in 3D: its table with the values, and how to change them. */
+/** The display options of a 3D map: their table with the values, and functions to change them. */
 
 import { type ReadonlySignal, useComputed } from "@preact/signals";
 import type { Optimistic } from "../../store/optimistic";
 import type { Store } from "../../store/store";
 import type { Parameter, Value, Values } from "../../wire/protocol";
 
-/** What is shown of a map in 3D, and how, as the user wants it. */
+/** The user's display options of a 3D map. */
 class LookState {
   readonly values: Optimistic;
 
@@ -27,7 +27,7 @@ export interface Look {
   readonly setAll: (values: Values) => void;
 }
 
-/** Null until the session has told. */
+/** Null until the session has sent them. */
 export function useLook(store: Store): Look | null {
   const values = useComputed(() => lookOf(store).values.value);
   const table = store.part("volume").message.value?.look.table;

@@ -20,7 +20,7 @@ import type { Contribution, Value, WhyMessage } from "../../wire/protocol";
 import { describe, equation, logOddsCurve, sentence, updateOf, verdict } from "./model";
 import "./why.css";
 
-/** Least time between requests: for another update, for a cell that changed, for an unchanged cell in a new scan. */
+/** Least time between requests: for another update, for a changed cell, for an unchanged cell in a new scan. */
 const NEW_REQUEST_MS = 120;
 const CHANGED_MS = 350;
 const UNCHANGED_MS = 1000;
@@ -100,7 +100,7 @@ export function pollWhy(store: Store): () => void {
 
 const WIDTH = 400;
 const HEIGHT = 150;
-/** Updates that are closer than this are marked at the edges instead of on the line. */
+/** Updates closer than this are marked at the edges instead of on the line. */
 const ROOMY_PX = 7;
 
 interface ChartProps {
@@ -164,7 +164,7 @@ function Chart({ why, selected, onSelect }: ChartProps) {
   );
 }
 
-/** A tick for each hit, or each miss, along an edge: at the clamp the line alone does not show them. */
+/** A tick for each hit, or each miss, along an edge, because at the clamp the line alone does not show them. */
 function rug(why: WhyMessage, hits: boolean, x: (n: number) => number, top: number): string {
   let path = "";
   for (const { n, hit } of why.contributions) if (hit === hits) path += `M${x(n)} ${top}v5`;
@@ -178,7 +178,7 @@ interface WhyProps {
 const useIsOpen = (store: Store): ReadonlySignal<boolean> =>
   useMemo(() => computed(() => store.explainedPoint.value !== null), [store]);
 
-/** The explanation as a group of a dock, and how to ask for it. */
+/** The explanation as a group of a dock, and how to request it. */
 export function WhyGroup({ store }: WhyProps) {
   if (useIsOpen(store).value) return <Panel store={store} />;
   return (
@@ -197,7 +197,7 @@ function Panel({ store }: WhyProps) {
     // If it was opened by keyboard, the focus moves to the slider; with a mouse it stays on the picture.
     const byKeys = before instanceof HTMLElement && before.matches(":focus-visible");
     if (byKeys) slider.current?.focus({ preventScroll: true });
-    // On a phone the group may be below the screen, or behind what stays at its top; where it is seen, nothing moves.
+    // On a phone the group may be below the screen, or behind the bar at its top; if it is visible, nothing moves.
     const top = panel.current?.getBoundingClientRect().top ?? 0;
     const covered = Number.parseFloat(getComputedStyle(document.documentElement).scrollPaddingTop) || 0;
     if (top < covered || top > 0.75 * innerHeight) panel.current?.scrollIntoView({ block: "start" });
@@ -266,7 +266,7 @@ function parameterOf(store: Store, name: string): Value | undefined {
 const useHitWindow = (store: Store): ReadonlySignal<number> =>
   useMemo(() => computed(() => Number(parameterOf(store, "window") ?? 0)), [store]);
 
-/** The label of an update's numbers: the update rule, or, if the model does not add log-odds, what they are. */
+/** The label of an update's numbers: the update rule, or, if the model does not add log-odds, their meaning. */
 function ruleOf(store: Store, why: WhyMessage | null): string {
   const model = parameterOf(store, "model");
   if (model === "hit_counting") return "ℓ of the counts, and its change:";
@@ -274,7 +274,7 @@ function ruleOf(store: Store, why: WhyMessage | null): string {
   return why && why.log_odds_max === null && why.log_odds_min === null ? "ℓ ← ℓ + Δ" : "ℓ ← clamp(ℓ + Δ)";
 }
 
-/** The sentence for screen readers, announced once for each cell and not again with each beam. */
+/** The sentence for screen readers, announced once for each cell and not again for each beam. */
 function Announcement({ store, hitWindow }: { readonly store: Store; readonly hitWindow: ReadonlySignal<number> }) {
   const announcement = useMemo(() => signal(""), []);
   useEffect(() => {
@@ -308,7 +308,7 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
   const total = why?.total ?? 0;
   const n = Math.min(store.selectedUpdate.value ?? total, total);
   const choose = (to: number): void => {
-    // null follows the newest update.
+    // null follows the newest update
     store.selectedUpdate.value = to >= total ? null : Math.max(1, to);
   };
   const update = why && contribution && updateOf(why, contribution.n);

@@ -14,7 +14,7 @@ export function stateOf(why: WhyMessage): CellState | "never observed" {
 const beams = (n: number): string => (n === 1 ? "1 beam" : `${n} beams`);
 
 /**
- * The effect of an update in words: with a hit window, a beam that ends near the cell is also evidence for occupied.
+ * The effect of an update in words. With a hit window, a beam that ends near the cell is also evidence for occupied.
  */
 export function verdict(
   { hit, range, outweighed }: Pick<Contribution, "hit" | "range" | "outweighed">,
@@ -25,7 +25,7 @@ export function verdict(
   return outweighed ? `${passed}, but other beams of its scan ended here: it counts for nothing` : passed;
 }
 
-/** How many of the misses count for nothing, in words. */
+/** The number of misses without effect, in words. */
 const outweighed = (why: WhyMessage): string =>
   why.outweighed > 0 ? ` (${why.outweighed} of them in scans that hit it, where only the hits count)` : "";
 

@@ -5,10 +5,7 @@ import type { Store } from "../../store/store";
 /** The group of a dock that explains a cell. */
 const WHY = "why";
 
-/**
- * The open group of a dock, at first `first`: the explanation of a cell takes the place of another group until it is
- * closed.
- */
+/** The open group of a dock, initially `first`. The explanation of a cell replaces another group until it is closed. */
 export function useOpenGroup(store: Store | null, first: string): Signal<string> {
   const open = useSignal(first);
   const before = useRef(first);

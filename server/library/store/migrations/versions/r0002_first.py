@@ -1,4 +1,4 @@
-"""The first tables of a release: a database has them from its first opening, so that there is nothing to change."""
+"""The first tables of a release. A database has them from its first opening, so that nothing changes."""
 
 from __future__ import annotations
 
