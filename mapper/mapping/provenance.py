@@ -242,9 +242,7 @@ class _Batches:
         touches: list[NDArray[np.int64]] = []
         values: list[NDArray[np.float32]] = []
         start, count = 0, max(1, _FIRST_READINGS // max(1, self.log.n_beams))
-        while (
-            start < self.stop or not touches
-        ):  # even a log without scans has one part, which provides the right shapes
+        while start < self.stop or not touches:  # a log without scans has one part, for the right shapes
             last = min(start + count, self.stop)
             began = time.thread_time()
             for parts in self._batches(start, last, by_turns=by_turns):
