@@ -1,10 +1,10 @@
-"""The mapping core: maps of range scans. NumPy in, NumPy out; it knows no web and no asyncio.
+"""Mapping core: maps from range scans. NumPy in, NumPy out, without web or asyncio.
 
-The names here are those that one begins with::
+The names to start with::
 
     from mapper import MappingConfig, OccupancyGrid, geometry_for, integrate_log, open_log, save_map
 
-Each is imported from its module with its first use.
+Each name is imported from its module on first use.
 """
 
 from typing import TYPE_CHECKING

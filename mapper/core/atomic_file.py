@@ -12,9 +12,9 @@ from typing import IO
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[IO[bytes]]:
-    """Yield a temporary file in the folder of ``path`` that replaces it at the end, so no reader sees a part of it.
+    """Yield a temporary file next to ``path`` that replaces it on success, so that readers never see a partial file.
 
-    After an error nothing is left of it, and what was at ``path`` is as it was. Raises :class:`OSError`.
+    On an error the temporary file is removed and the file at ``path`` is left unchanged. Raises :class:`OSError`.
     """
     handle, name = tempfile.mkstemp(prefix=f".{path.name[:100]}.", dir=path.parent)
     temporary = Path(name)

@@ -1,10 +1,10 @@
 """Compilation of kernels with numba: without the GIL, cached on disk for each package.
 
-numba decides by the time and size of a function's own file whether its cache entry is valid, and misses a change in a
-function that it calls from another file. So each package of kernels has a cache folder that is named after the text of
-its files and of the packages of kernels that it imports: an edited kernel recompiles these packages only.
+numba validates a cache entry by the modification time and size of the function's own file, and misses changes to
+functions called from other files. So each kernel package has a cache folder named after a hash of its source files and
+of the kernel packages that it imports. Editing a kernel recompiles only the packages that depend on it.
 
-Importing this module imports numba. Kernels do so when one of them is first called (:mod:`mapper.core.jit`).
+Importing this module imports numba. :mod:`mapper.core.jit` defers that to the first call of a kernel.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from mapper.core.lazy_imports import hidden_modules
 _ROOT = Path(__file__).parents[1]
 _IMPORTED = re.compile(r"^from mapper\.(\w+)\.kernels", re.MULTILINE)
 
-# Where the folder cannot be written, numba falls back on one of the user's own.
+# If the folder is not writable, numba falls back on a cache folder of the user.
 _BASE = Path(config.CACHE_DIR or _ROOT / "__pycache__")  # type: ignore[attr-defined] # numba makes its settings at run time
 
 
 def _start_without_blas() -> None:
-    """Load the part of numba that looks for SciPy's BLAS, and let it find none.
+    """Load numba's BLAS lookup in such a way that it does not find SciPy.
 
-    To look for it takes a fifth of all the time from the start of a process to its first kernel, and no kernel here
-    multiplies matrices. SciPy itself stays as it is.
+    The lookup takes a fifth of the time from process start to the first kernel, and no kernel multiplies matrices.
+    SciPy itself is not affected.
     """
     with hidden_modules("scipy.linalg"):
         importlib.import_module("numba.np.arraymath")
 
 
 def _imported_by(packages: frozenset[str]) -> frozenset[str]:
-    """Return these packages of kernels and all that they import, directly or not."""
+    """Return these kernel packages and all packages that they import, directly or indirectly."""
     texts = (path.read_text() for package in packages for path in (_ROOT / package / "kernels").glob("*.py"))
     modules = packages.union(*(_IMPORTED.findall(text) for text in texts))
     return modules if modules == packages else _imported_by(modules)
@@ -56,9 +56,9 @@ def cache_folder(package: str) -> Path:
 
 
 def dispatcher(function: Callable[..., object]) -> Dispatcher:
-    """Return numba's dispatcher of a function of ``mapper.<package>.kernels``, which compiles when it is called.
+    """Return numba's dispatcher of a function of ``mapper.<package>.kernels``; it compiles on the first call.
 
-    Where NUMBA_DISABLE_JIT is set it is the function itself. Not for several threads at one time.
+    If NUMBA_DISABLE_JIT is set, return the function itself. Not thread-safe.
     """
     before = config.CACHE_DIR  # type: ignore[attr-defined]
     # numba reads the setting when the decorator is applied.

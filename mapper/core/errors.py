@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class MapperError(Exception):
-    """Something the caller gave cannot be used.
+    """The caller's input cannot be used.
 
     ``code`` is a stable, dotted, lower-case identifier for programs (``"log.no_scans"``); ``message`` is one
     sentence for people that says what is wrong and where.
@@ -16,12 +16,12 @@ class MapperError(Exception):
         self.message = message
 
     def __reduce__(self) -> tuple[type[MapperError], tuple[str, str]]:
-        """Errors cross process borders (log readers run in a process of their own) with their code."""
+        """Pickle the error with its code: log readers run in a separate process."""
         return (type(self), (self.code, self.message))
 
 
 class ReadError(MapperError):
-    """A log or a map file is not what it should be. The message names the place: line, byte or key."""
+    """A log or map file is malformed. The message names the place: line, byte or key."""
 
 
 class LimitError(MapperError):

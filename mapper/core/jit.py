@@ -1,7 +1,7 @@
-"""The decorator of the compiled functions.
+"""Decorator for compiled functions.
 
-numba takes a third of a second of processor time to import. A process that computes no map, such as a service that
-has had no visitor yet or a command that prints a log's header, does without it.
+Importing numba takes a third of a second of processor time. Processes that compute no map, such as a service without
+visitors or a command that prints a log's header, do not import it.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_making = Lock()  #: held while a dispatcher is made: two of one function would compile it twice
+_making = Lock()  #: held while a dispatcher is created; two dispatchers of one function would compile it twice
 
 
 class Kernel:
-    """A function that numba compiles when it is first called, by Python or by another kernel. Any thread may call it.
+    """A function that numba compiles on its first call, from Python or from another kernel. Thread-safe.
 
-    ``py_func`` is the function in Python.
+    ``py_func`` is the Python function.
     """
 
     def __init__(self, py_func: Callable[..., object]) -> None:
@@ -49,10 +49,10 @@ class Kernel:
 
     @property
     def _numba_type_(self) -> object:
-        """The type by which numba compiles calls of this function in another one (``numba.typeof`` reads it)."""
+        """Type of the function in numba (read by ``numba.typeof``), which lets other kernels call it."""
         return self.dispatcher._numba_type_
 
 
 def jit(function: F) -> F:
-    """Compile a function of a package ``mapper.<package>.kernels`` when it is first called, and keep it on disk."""
+    """Compile a function of a package ``mapper.<package>.kernels`` on its first call and cache it on disk."""
     return cast("F", Kernel(function))

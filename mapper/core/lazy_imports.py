@@ -1,4 +1,4 @@
-"""Imports put off until they are needed, and imports of optional modules left out."""
+"""Deferred imports, and imports of optional modules suppressed."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from threading import get_ident
 
 
 def imported_later(package: str, file: str) -> Callable[[str], object]:
-    """Return the function ``__getattr__`` of a package (PEP 562), which imports each name with its first use.
+    """Return a package's ``__getattr__`` (PEP 562) that imports each name on first use.
 
-    The names are those that ``file``, the package's own, imports ``if TYPE_CHECKING``. Others raise
-    :class:`AttributeError`. None may be called as a module of the package, which would take its place.
+    The names are those that ``file``, the package's ``__file__``, imports under ``if TYPE_CHECKING``. Others raise
+    :class:`AttributeError`. No name may equal the name of a module of the package, because that module would replace
+    it.
     """
 
     @cache
@@ -37,7 +38,7 @@ def imported_later(package: str, file: str) -> Callable[[str], object]:
 
 
 class _Hidden(MetaPathFinder):
-    """Refuses to find some modules in the thread that made it."""
+    """A module finder that hides some modules from the thread that created it."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = frozenset(names)
@@ -50,10 +51,9 @@ class _Hidden(MetaPathFinder):
 
 @contextmanager
 def hidden_modules(*names: str) -> Iterator[None]:
-    """Make imports of these modules raise :class:`ImportError` during the block, unless they are loaded already.
+    """Make imports of these modules raise :class:`ImportError` within the block, unless they are already loaded.
 
-    For packages that import a module where it is installed, and do without it otherwise. Other threads import these
-    modules meanwhile as ever.
+    Used for packages that import an optional module if it is installed. Imports in other threads are not affected.
     """
     finder = _Hidden(names)
     sys.meta_path.insert(0, finder)

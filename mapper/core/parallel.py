@@ -1,4 +1,4 @@
-"""Work on several cores: one pool of threads for kernels that release the GIL."""
+"""Parallel work: one thread pool for kernels that release the GIL."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _here = local()
 
 
 def cores() -> int:
-    """Return how many cores this process may use.
+    """Return the number of cores that this process may use.
 
-    Within :func:`single_threaded` it is 1, and on a thread of :func:`share_cores` while others need the cores.
+    It is 1 within :func:`single_threaded`, and on a thread of :func:`share_cores` while other work needs the cores.
     """
     needed = getattr(_here, "needed", None)
     if getattr(_here, "single_threaded", False) or (needed is not None and needed()):
@@ -42,20 +42,20 @@ def single_threaded() -> Iterator[None]:
 
 
 def share_cores(needed: Callable[[], bool]) -> None:
-    """Leave this thread one core only from now on whenever ``needed`` says that others need them."""
+    """Limit this thread to one core from now on whenever ``needed`` returns true."""
     _here.needed = needed
 
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    # The caller works too, so one thread fewer than cores. Nothing in the pool ever waits for the pool.
+    # The caller works too, so the pool has one thread fewer than cores. No task in the pool waits for another.
     return ThreadPoolExecutor(max(cores() - 1, 1), thread_name_prefix="mapper")
 
 
 def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
-    """Run the tasks on the calling thread and as many others as are free; return their results in order.
+    """Run the tasks on the calling thread and on free threads of the pool; return their results in order.
 
-    Each free thread takes the next task, so on a busy machine the caller may run all of them without waiting.
+    Each free thread takes the next task, so on a busy machine the caller may run all tasks without waiting.
     """
     if len(tasks) == 1:
         return [tasks[0]()]
@@ -82,29 +82,30 @@ def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
 
 
 _kept = local()
-_KEEP_WORDS = 1 << 24  # 128 MB, of which little is ever touched: so much is kept for a thread's next use
+_KEEP_WORDS = 1 << 24  # 128 MB, mostly untouched: buffers up to this size are kept for the thread's next use
 
 
 @contextmanager
 def scratch(words: int) -> Iterator[NDArray[np.int64]]:
-    """Yield at least ``words`` words (n,) int64, all 0, which must be all 0 again at the end.
+    """Yield a buffer (n,) int64 of at least ``words`` zeros. The caller must set it to zero again before the block
+    ends.
 
-    Memory that is used again has its pages already; to fetch them from the system costs more than many a kernel.
+    The buffer is reused because page faults on fresh memory cost more than many kernels.
     """
     present: NDArray[np.int64] | None = getattr(_kept, "words", None)
     lent = present if present is not None and len(present) >= words else np.zeros(words, dtype=np.int64)
-    _kept.words = None  # after an error it may not be all 0
+    _kept.words = None  # after an error it may contain non-zero values
     yield lent
     _kept.words = lent if len(lent) <= _KEEP_WORDS else None
 
 
 def shares(n: int, parts: int) -> list[tuple[int, int]]:
-    """Split [0, n) into ranges of about equal length."""
+    """Split [0, n) into ranges of nearly equal length."""
     return list(pairwise(round(i * n / parts) for i in range(parts + 1)))
 
 
 def bands(work: NDArray[np.float64], parts: int) -> list[tuple[int, int]]:
-    """Split rows [0, n) into at most ``parts`` ranges of about equal ``work`` (n,); none of them is empty."""
+    """Split rows [0, n) into at most ``parts`` non-empty ranges of nearly equal total ``work`` (n,)."""
     total = np.cumsum(work)
     if len(work) < 2 or parts < 2 or total[-1] <= 0.0:
         return [(0, len(work))]

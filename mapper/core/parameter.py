@@ -1,7 +1,7 @@
-"""Tables of parameters, which are the fields of dataclasses: each field's metadata is its row.
+"""Parameter tables built from dataclass fields. The metadata of each field is a table row.
 
-A config is a frozen dataclass whose fields are made by :func:`number`, :func:`choice` and :func:`flag`;
-:func:`table_of` returns its rows, :func:`check_fields` checks its values.
+A config is a frozen dataclass whose fields are created with :func:`number`, :func:`choice` and :func:`flag`.
+:func:`table_of` returns its rows, and :func:`check_fields` validates its values.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ Values: TypeAlias = dict[str, Value]
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One row of a table of parameters; ``kind`` says which of the other fields are used.
+    """One row of a parameter table. ``kind`` determines which of the other fields are used.
 
     ``number``: low ≤ value ≤ high in ``unit``, with a slider of step ``step``. ``choice``: one of ``choices``.
-    ``flag``: true or false. ``group`` names the panel that shows the row. ``only_for`` lists the choices of the
-    table's first row (the model, the sensor's kind) for which the parameter is used; empty means all.
+    ``flag``: a boolean. ``group`` names the panel that shows the row. ``only_for`` lists the choices of the table's
+    first row (the model, the sensor's kind) for which the parameter is used; empty means all.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Parameter:
     only_for: tuple[str, ...] = ()
 
     def check(self, value: object) -> float | str | bool:
-        """Return ``value`` as the row's type; raise :class:`ConfigError` that names the row for an invalid one."""
+        """Return ``value`` converted to the row's type. Raise :class:`ConfigError`, naming the row, if invalid."""
         if self.kind == "flag":
             if isinstance(value, bool):
                 return value
@@ -84,7 +84,7 @@ def number(
     step: float,
     only_for: tuple[str, ...] = (),
 ) -> N:
-    """Make the field of a config for a number; the arguments are those of :class:`Parameter`."""
+    """Return a config field for a number. The arguments are those of :class:`Parameter`."""
     row = Parameter("", label, group, "number", initial, sentence, unit, low, high, step, only_for=only_for)
     return cast("N", _field(row))
 
@@ -92,13 +92,13 @@ def number(
 def choice(
     label: str, group: str, initial: str, sentence: str, choices: tuple[str, ...], only_for: tuple[str, ...] = ()
 ) -> str:
-    """Make the field of a config for one of ``choices``."""
+    """Return a config field for one of ``choices``."""
     row = Parameter("", label, group, "choice", initial, sentence, choices=choices, only_for=only_for)
     return cast("str", _field(row))
 
 
 def flag(label: str, group: str, initial: bool, sentence: str) -> bool:
-    """Make the field of a config that is true or false."""
+    """Return a config field for a boolean."""
     return cast("bool", _field(Parameter("", label, group, "flag", initial, sentence)))
 
 
@@ -109,30 +109,30 @@ def _field(row: Parameter) -> object:
 
 @cache
 def table_of(config: type) -> tuple[Parameter, ...]:
-    """Return the rows of a config in the order of its fields; fields without a row are no parameters."""
+    """Return the rows of a config in field order. Fields without a row are not parameters."""
     return tuple(replace(entry.metadata[_ROW], name=entry.name) for entry in fields(config) if _ROW in entry.metadata)
 
 
 def check_fields(config: object) -> None:
-    """Replace each field of a frozen config by its checked value; raise :class:`ConfigError` for an invalid one."""
+    """Replace each field of a frozen config with its checked value. Raise :class:`ConfigError` for an invalid value."""
     for row in table_of(cast("Hashable", type(config))):
         object.__setattr__(config, row.name, row.check(getattr(config, row.name)))
 
 
 def with_values(config: C, values: Mapping[str, Any], what: str = "parameter") -> C:
-    """Return a config with some values replaced. Raises as :func:`check_names` and :func:`check_fields`."""
+    """Return a config with some values replaced. Raises the errors of :func:`check_names` and :func:`check_fields`."""
     check_names(values, table_of(cast("Hashable", type(config))), what)
     return replace(config, **values)
 
 
 def changed_values(config: DataclassInstance, first: DataclassInstance) -> dict[str, Any]:
-    """Return the values by name in which ``config`` differs from ``first``, a config of the same class."""
+    """Return the values, by name, in which ``config`` differs from ``first``, a config of the same class."""
     before = asdict(first)
     return {name: value for name, value in asdict(config).items() if value != before[name]}
 
 
 def check_names(values: Mapping[str, Any], table: Iterable[Parameter], what: str = "parameter") -> None:
-    """Raise :class:`ConfigError` for a name in ``values`` that the table lacks; ``what`` is used in its sentence."""
+    """Raise :class:`ConfigError` if ``values`` has a name that ``table`` lacks. ``what`` is used in the message."""
     names = {row.name for row in table}
     unknown = [name for name in values if name not in names]
     if unknown:

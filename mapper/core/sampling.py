@@ -8,10 +8,10 @@ from mapper.core.array_types import Int64Array
 
 
 def sample_rows(count: int, most: int) -> Int64Array:
-    """Indices (min(count, most),) of rows taken at random without replacement, ascending; the same in each call.
+    """Return min(count, most) random row indices without replacement, ascending, the same for every call.
 
-    Every n-th row is no sample of an organised cloud: where n and the number of a lidar's rings, or of an image's
-    columns, have a common divisor, those rows are of some of the rings or columns only.
+    Taking every n-th row of an organised cloud would be biased: if n and the number of rings of a lidar, or of columns
+    of an image, share a divisor, only some rings or columns would be sampled.
     """
     if count <= most:
         return np.arange(count, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Rigid motions in space, SE(3), as matrices (4, 4): ``T_a_b`` takes coordinates in frame b to those in frame a.
+"""Rigid motions in space, SE(3), as (4, 4) matrices. ``T_a_b`` transforms coordinates from frame b to frame a.
 
 Source: Barfoot, State Estimation for Robotics, chapter 7; REP 103 (roll, pitch and yaw about fixed axes x, y, z).
 """
@@ -26,7 +26,7 @@ def from_quaternion(translation: Sequence[float], x: float, y: float, z: float, 
 
 
 def from_euler(translation: Sequence[float], roll: float, pitch: float, yaw: float) -> Float64Array:
-    """Return the motion (4, 4) of a translation (3,), metres, and finite angles, radians: first roll, last yaw."""
+    """Return the motion (4, 4) of a translation (3,), metres, and finite angles, radians: roll first, yaw last."""
     sr, sp, sy = math.sin(roll), math.sin(pitch), math.sin(yaw)
     cr, cp, cy = math.cos(roll), math.cos(pitch), math.cos(yaw)
     pose = np.eye(4)
@@ -40,7 +40,7 @@ def from_euler(translation: Sequence[float], roll: float, pitch: float, yaw: flo
 
 
 def to_euler(x: float, y: float, z: float, w: float) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of a unit quaternion, radians: the angles of :func:`from_euler`."""
+    """Return roll, pitch and yaw of a unit quaternion, in radians, as used by :func:`from_euler`."""
     return (
         math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
         math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x)))),

@@ -1,4 +1,4 @@
-"""Zstandard compression for what is kept in memory."""
+"""Zstandard compression of data kept in memory."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import zstandard
 
 
 def compressed(compressor: zstandard.ZstdCompressor, data: bytes | memoryview) -> bytes:
-    """Return ``data`` compressed, in no more memory than that needs.
+    """Return ``data`` compressed, in a buffer of exactly the compressed size.
 
-    What ``ZstdCompressor.compress`` returns occupies as much as the largest possible result would: python-zstandard
-    shortens it without giving the rest back.
+    The result of ``ZstdCompressor.compress`` occupies the memory of the largest possible output, because
+    python-zstandard shortens it without releasing the rest.
     """
     return bytes(memoryview(compressor.compress(data)))

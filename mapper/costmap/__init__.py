@@ -1,4 +1,4 @@
-"""Costmaps on top of a map: layers of costs with Nav2's names, formulas and values.
+"""Costmaps derived from a map: layers of costs with Nav2's names, formulas and values.
 
 A cell's cost is 0 (free) to 252, 253 (within the inscribed radius of an obstacle), 254 (an obstacle) or 255 (no
 information). Source: the Nav2 documentation, Costmap 2D; nav2_costmap_2d.

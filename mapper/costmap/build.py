@@ -1,4 +1,4 @@
-"""Put together the costmap that a parameter file describes."""
+"""Construction of the costmap described by a parameter file."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ DEFAULT = Nav2Costmap(
     CostmapConfig(),
     None,
     (NamedLayer("static_layer", StaticConfig()), NamedLayer("inflation_layer", InflationConfig())),
-)  #: what Nav2 makes of a map without a parameter file
+)  #: Nav2's costmap of a map without a parameter file
 
 
 ObservedLayer = ObstacleLayer | VoxelLayer | DecayLayer
@@ -49,11 +49,11 @@ _BelowInflation: TypeAlias = "StaticConfig | ObstacleConfig | DenoiseConfig | Gi
 
 @dataclass(frozen=True, slots=True)
 class BuiltCostmap:
-    """A costmap with those of its layers that are given observations, painted or asked.
+    """A costmap, with those of its layers that accept observations, painting, costs or queries.
 
-    ``unmasked`` are the names of filters without a mask, which have no effect. ``given`` are layers whose costs have to
-    be set, by their names; without costs they have no effect. ``observed`` are the names of ``obstacles``, ``statics``
-    the layers of the map. ``layers`` are all layers that are built, by their names.
+    ``unmasked`` are the names of filters without a mask, which have no effect. ``given`` are layers, by name, whose
+    costs have to be set; without costs they have no effect. ``observed`` are the names of ``obstacles``, ``statics``
+    the layers of the map. ``layers`` are all layers that were built, by name.
     """
 
     costmap: LayeredCostmap
@@ -68,13 +68,12 @@ class BuiltCostmap:
 
 
 def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) -> dict[str, Mask]:
-    """Return the masks of the parameters' filters by the names of the filters; file names are relative to ``folder``.
+    """Return the masks of the parameters' filters by filter name; file names are relative to ``folder``.
 
-    The name of a filter in a container begins with that of the container and a dot.
-
-    A mask may have another resolution and origin than the map. ``frame`` is the map's, where it is known. Raises
-    :class:`mapper.core.errors.ReadError` for a mask that cannot be read, and :class:`ConfigError` for one whose file
-    states another frame: how that lies in the map's frame is not known.
+    The name of a filter in a container is prefixed with that of the container and a dot. A mask may differ from the map
+    in resolution and origin. ``frame`` is the map's, if known. Raises :class:`mapper.core.errors.ReadError` for a mask
+    that cannot be read, and :class:`ConfigError` for a mask file that states another frame, because its pose in the
+    map's frame is unknown.
     """
     masks: dict[str, Mask] = {}
     for layer in parameters.layers:
@@ -102,9 +101,9 @@ def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) 
 
 
 def _mask_path(folder: Path, name: str) -> tuple[Path, tuple[str, ...]]:
-    """Return the path of a mask's yaml: where it is named elsewhere, that of the same name in ``folder``, with a note.
+    """Return the path of a mask's yaml; for a path elsewhere, the file of the same name in ``folder``, with a note.
 
-    Parameter files name masks by a path of the robot, or by ``$(find-pkg-share …)``.
+    Parameter files refer to masks by a path on the robot, or by ``$(find-pkg-share …)``.
     """
     named, beside = folder / name, folder / PureWindowsPath(name).name
     if "\0" in name or named.is_file() or not beside.is_file():
@@ -125,11 +124,11 @@ def build_costmap(
     """Return the costmap of a map with the layers and filters of ``parameters``, and a keepout layer to paint on.
 
     ``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid. ``footprint`` replaces the parameters' padded
-    outline. ``masks`` are those of the filters, by their names. The painted keepout layer lies below the inflation;
-    filters lie where the parameters have them, which in Nav2's list of filters is above all layers. Layers that are not
-    enabled are built, and not laid. ``keepout`` is a layer that was painted on before, and ``kept`` are layers over the
-    same geometry that were observed or given costs before: of each kind the first layer is the first of them, with its
-    new parameters. Raises :class:`ConfigError` for two inflation layers.
+    outline. ``masks`` are those of the filters, by name. The painted keepout layer is below the inflation. Filters are
+    at their position in the parameters; those in Nav2's list of filters are above all layers. Disabled layers are built
+    but not applied. ``keepout`` is an existing painted layer, and ``kept`` are existing layers over the same geometry
+    with observations or costs: the first layer of each kind reuses the first of them, with its new parameters. Raises
+    :class:`ConfigError` for two inflation layers.
     """
     outline = footprint or parameters.outline
     if keepout is None:
@@ -143,7 +142,7 @@ def build_costmap(
 
 
 class _Builder:
-    """Builds costmaps of layers over one map; what it built of the layers that are asked or given something is kept."""
+    """Builds costmaps of layers over one map, and keeps the layers that accept observations, costs or queries."""
 
     def __init__(
         self,
@@ -166,9 +165,9 @@ class _Builder:
     def stack(
         self, parameters: Nav2Costmap, general: CostmapConfig, painted: KeepoutLayer | None, within: str = ""
     ) -> LayeredCostmap:
-        """Return the layers of ``parameters`` over each other, and ``painted`` below the inflation.
+        """Return the layers of ``parameters`` in order, with ``painted`` below the inflation.
 
-        ``within`` is put before their names. Raises :class:`ConfigError` for two inflation layers.
+        ``within`` is the prefix of their names. Raises :class:`ConfigError` for two inflation layers.
         """
         below: list[Layer] = []
         above: list[Layer] = []
@@ -202,7 +201,7 @@ class _Builder:
         return LayeredCostmap(self.geometry, general, self.outline, below, inflation, above)
 
     def _layer(self, config: _BelowInflation, name: str, own: CostmapConfig, general: CostmapConfig) -> Layer:
-        """Return a layer of the parameters ``own``; ``general`` are those of the costmap, or of the container."""
+        """Return the layer for the parameters ``own``; ``general`` are those of the costmap or of the container."""
         if isinstance(config, StaticConfig):
             self.statics.append(StaticLayer(self.geometry, self.values, config, own))
             return self.statics[-1]
@@ -237,7 +236,7 @@ class _Builder:
         return layer
 
     def _kept_one(self, kind: type[L]) -> L | None:
-        """Return the first layer of a kind that is kept, and keep it no longer; None where there is none."""
+        """Remove and return the first kept layer of a kind; None if there is none."""
         for layer in self._kept:
             if isinstance(layer, kind):
                 self._kept.remove(layer)
@@ -245,14 +244,16 @@ class _Builder:
         return None
 
     def _inflation(self, config: InflationConfig, path: str) -> InflationLayer:
-        """Return the layer; ``path`` is its place in a parameter file, for the error of a radius of too many cells."""
+        """Return the layer. ``path`` is its place in a parameter file, for the error about a radius of too many
+        cells.
+        """
         try:
             return InflationLayer(self.geometry, config, self.outline.inscribed_radius)
         except LimitError as error:
             raise LimitError(error.code, f"{path}.inflation_radius: {error.message}") from error
 
     def _keepouts(self, parameters: Nav2Costmap, n_below: int | None, within: str) -> Iterator[KeepoutLayer]:
-        """Yield the keepout filters of ``parameters`` that are on, have a mask and lie over ``n_below`` layers."""
+        """Yield the enabled keepout filters of ``parameters`` that have a mask and are above ``n_below`` layers."""
         for filter_ in parameters.filters:
             name = within + filter_.name
             if filter_.kind == "keepout" and filter_.below == n_below and filter_.enabled and name in self.masks:

@@ -1,4 +1,4 @@
-"""Layers that are laid over each other first, and together over those before them (PluginContainerLayer)."""
+"""Layers combined with each other first, and then with the layers before them (PluginContainerLayer)."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from mapper.grid.cell_box import CellBox
 
 
 class ContainerLayer:
-    """Costs of ``inner``, which has no information where none of its layers has any, laid over as one layer.
+    """The combined costs of ``inner``, applied as one layer; NO_INFORMATION where none of its layers has information.
 
-    Its inflation spreads around its own obstacles alone. Source: nav2_costmap_2d, plugin_container_layer.cpp. There the
-    costs are not reset before an update, so with a method that keeps the greater cost they never fall; here they do.
+    Its inflation spreads around its own obstacles only. Source: nav2_costmap_2d, plugin_container_layer.cpp. There the
+    costs are not reset before an update, so with a method that keeps the greater cost they never decrease; here they
+    do.
     """
 
     def __init__(self, inner: LayeredCostmap, combination_method: str, name: str) -> None:
@@ -24,18 +25,18 @@ class ContainerLayer:
 
     @property
     def costs(self) -> UInt8Array:
-        """The costs (rows, cols) that its layers make together."""
+        """The combined costs (rows, cols) of its layers."""
         return self._inner.costs
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Bring its layers up to date; return what changed."""
+        """Update its layers; return the box that changed."""
         return self._inner.update(now, None if robot is None else robot.pose)
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Lay the costs over the master as ``combination_method`` says."""
+        """Combine the costs with the master by ``combination_method``."""
         lay_over(self.costs[part_of(box)], self._method, master[part_of(box)])
 
     def why(self, row: int, col: int) -> str:
-        """Say which cost its layers make together, and what each says."""
+        """Describe the combined cost of its layers, and the cost of each."""
         reasons = " ".join(f"{cost.layer}: {cost.sentence}" for cost in self._inner.why(row, col))
         return f"Its layers make {name_of_cost(int(self.costs[row, col]))} together. {reasons}"

@@ -12,22 +12,22 @@ import numpy as np
 from mapper.core.array_types import UInt8Array
 
 FREE = 0
-MAX_NON_OBSTACLE = 252  #: the greatest cost that inflation gives outside the inscribed radius
-INSCRIBED = 253  #: a robot whose centre is here touches an obstacle, whatever its heading
+MAX_NON_OBSTACLE = 252  #: the maximum cost of inflation outside the inscribed radius
+INSCRIBED = 253  #: a robot with its centre here touches an obstacle, whatever its heading
 LETHAL = 254  #: an obstacle
 NO_INFORMATION = 255
 
-CELLS_EPSILON = 1e-9  #: so that 0.55 m at 0.05 m are 11 cells, and not 12 for the sake of a rounding error
+CELLS_EPSILON = 1e-9  #: so that rounding errors do not make 0.55 m at 0.05 m 12 instead of 11 cells
 
 
 def name_of_cost(cost: int) -> str:
-    """Return what a cost means in words."""
+    """Return the meaning of a cost in words."""
     names = {FREE: "free", INSCRIBED: "inscribed", LETHAL: "lethal", NO_INFORMATION: "no information"}
     return names.get(cost, f"cost {cost}")
 
 
 def cells_of(distance: float, resolution: float) -> int:
-    """Return a distance in metres as a whole number of cells, rounded up (Costmap2D::cellDistance)."""
+    """Convert a distance in metres to cells, rounded up (Costmap2D::cellDistance)."""
     return max(0, math.ceil(distance / resolution - CELLS_EPSILON))
 
 

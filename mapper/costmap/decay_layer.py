@@ -1,4 +1,4 @@
-"""Obstacles with a lifetime."""
+"""Obstacle layer with a lifetime."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from mapper.grid.occupancy_grid import GridGeometry
 
 
 class DecayLayer:
-    """Obstacles with a lifetime: what is not seen again within ``lifetime`` seconds is forgotten.
+    """Obstacles with a lifetime: those not seen again within ``lifetime`` seconds are removed.
 
-    Nav2 has no such layer of its own; its documentation refers to the spatio-temporal voxel layer, whose voxels
-    decay in time.
+    Nav2 itself has no such layer; its documentation refers to the spatio-temporal voxel layer, whose voxels decay over
+    time.
     """
 
     name = "dynamic_layer"
@@ -38,24 +38,26 @@ class DecayLayer:
         del general
         self._geometry, self._config = geometry, config
         self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
-        self._marked: Float64Array = np.full(geometry.shape, -np.inf)  #: when, s
+        self._marked: Float64Array = np.full(geometry.shape, -np.inf)  #: time of marking, s
         self._now = -np.inf
         self._bounds = no_bounds()
-        self._waiting: list[tuple[float, int, CellBox]] = []  #: stamp, number and box of what has not expired
+        self._waiting: list[tuple[float, int, CellBox]] = []  #: stamp, number and box of unexpired observations
         self._n = 0
 
     @property
     def config(self) -> DecayConfig:
-        """The present parameters."""
+        """The current parameters."""
         return self._config
 
     def configure(self, config: DecayConfig) -> None:
-        """Take other parameters; what was marked stays, and is forgotten or remembered by the new lifetime."""
+        """Replace the parameters; existing marks are kept or removed according to the new lifetime."""
         self._config = config
         self._wait_for_all()
 
     def observe(self, *observations: Observation) -> None:
-        """Clear what the beams of all observations passed, then mark their end points with the stamps of these."""
+        """Clear the cells along the beams of all observations, then mark their endpoints with the observations'
+        stamps.
+        """
         seen = seen_by_sources(self._config, observations)
         for source, observation in seen:
             clear(self._geometry, source, observation, -np.inf, self._marked, self._bounds)
@@ -65,7 +67,7 @@ class DecayLayer:
             self._remember(marked, observation.stamp)
 
     def _remember(self, marked: Int64Array, stamp: float) -> None:
-        """Look at what was marked now, and when its lifetime ends."""
+        """Schedule an update of the marked cells now and when their lifetime ends."""
         box = box_of(marked)
         if box is not None:
             self._touch(box)
@@ -73,10 +75,10 @@ class DecayLayer:
             self._n += 1
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Forget what is older than the lifetime at ``now``, in seconds; return the box of what changed.
+        """Remove obstacles older than the lifetime at ``now``, in seconds; return the box that changed.
 
-        Only the boxes of observations since the last call and of those that expired are looked at, unless ``now`` is
-        before that of the last call.
+        Only the boxes of observations since the last call and of expired ones are examined, unless ``now`` is before
+        the time of the last call.
         """
         if robot is not None and self._config.footprint_clearing_enabled:
             clear_footprint(self._geometry, robot, -np.inf, self._marked, self._bounds)
@@ -103,7 +105,7 @@ class DecayLayer:
         )
 
     def _wait_for_all(self) -> None:
-        """Look at the whole grid at the next update, and at each stamp's end."""
+        """Examine the whole grid at the next update, and when each stamp expires."""
         everything = CellBox(0, self._geometry.rows, 0, self._geometry.cols)
         self._touch(everything)
         stamps = np.unique(self._marked[np.isfinite(self._marked)])
@@ -116,14 +118,14 @@ class DecayLayer:
         bounds[2], bounds[3] = min(int(bounds[2]), box.col0), max(int(bounds[3]), box.col1)
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Lay the obstacles that are still remembered over the master."""
+        """Apply the unexpired obstacles to the master."""
         if self._config.enabled:
             lay_over(
                 self.costs[part_of(box)], COMBINATIONS.index(self._config.combination_method), master[part_of(box)]
             )
 
     def why(self, row: int, col: int) -> str:
-        """Say when the cell was marked last."""
+        """Describe when the cell was last marked."""
         marked = float(self._marked[row, col])
         if marked == -np.inf:
             return "No obstacle was seen here, or a beam passed through since."

@@ -1,4 +1,4 @@
-"""Small groups of obstacles in the layers before, taken for noise of a sensor and removed."""
+"""Removal of small groups of obstacles in the layers before, as sensor noise."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from mapper.costmap.parameters import CostmapConfig, DenoiseConfig
 from mapper.grid.cell_box import CellBox
 from mapper.grid.occupancy_grid import GridGeometry
 
-FOUR = 4  #: the connectivity of cells that have an edge in common; any other number is 8
+FOUR = 4  #: the connectivity of cells that share an edge; any other number is 8
 
 
 class DenoiseLayer:
-    """Groups of connected obstacles with fewer than ``minimal_group_size`` cells become free (DenoiseLayer).
+    """Connected groups of obstacles with fewer than ``minimal_group_size`` cells become free (DenoiseLayer).
 
-    Lethal and inscribed cells are obstacles and, where unknown space is not tracked, those without information.
-    Source: nav2_costmap_2d, denoise_layer.cpp. There a group is cut at the border of what is updated; here it is not.
+    Lethal and inscribed cells are obstacles, as are cells without information if unknown space is not tracked. Source:
+    nav2_costmap_2d, denoise_layer.cpp. There groups are cut at the border of the updated area; here they are not.
     """
 
     def __init__(
@@ -33,16 +33,16 @@ class DenoiseLayer:
 
     @property
     def reach(self) -> int:
-        """By how many cells a change of the layers before may change what is removed around it."""
+        """Number of cells around a change of the layers before in which the result may change."""
         return max(0, int(self._config.minimal_group_size) - 1) if self._config.enabled else 0
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return None: it changes only where the layers before do."""
+        """Return None, because it changes only where the layers before do."""
         del now, robot
         return None
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Free the cells of small groups; those outside the box are as they were when they were laid."""
+        """Free the cells of small groups. Cells outside the box still have their values from the last update."""
         if not self.reach:
             return
         rows, cols = master.shape
@@ -58,7 +58,7 @@ class DenoiseLayer:
         master[part_of(box)][inner] = FREE
 
     def why(self, row: int, col: int) -> str:
-        """Say whether a group was removed here."""
+        """Describe whether a group was removed here."""
         least = int(self._config.minimal_group_size)
         if self.costs[row, col] == FREE:
             return f"The obstacle here is of a group of fewer than {least} cells, which is removed as noise."
@@ -74,10 +74,7 @@ class DenoiseLayer:
 
 
 def small_groups(obstacles: BoolArray, least: int, connectivity: int) -> BoolArray:
-    """Return which of the ``obstacles`` (rows, cols) bool are of connected groups of fewer than ``least`` cells.
-
-    ``connectivity`` is 4 or 8.
-    """
+    """Return which ``obstacles`` (rows, cols) bool are in connected groups of fewer than ``least`` cells."""
     from scipy import ndimage  # noqa: PLC0415 - few costmaps have the layer
 
     labels, n = ndimage.label(obstacles, structure=np.ones((3, 3)) if connectivity == 8 else None)

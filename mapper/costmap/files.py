@@ -1,4 +1,4 @@
-"""Write a costmap as map files, its raw costs, and as ROS 2 messages."""
+"""Export of a costmap as map files, raw costs, and ROS 2 messages."""
 
 from __future__ import annotations
 
@@ -18,17 +18,19 @@ from mapper.io.maps.images import pgm_header
 
 
 def costmap_pgm(costs: UInt8Array) -> bytes:
-    """Return a PGM whose pixels are costs (rows, cols), 0 … 255; its top row is the row of the greatest y."""
+    """Return a PGM with the costs (rows, cols), 0 to 255, as pixels; its top row is the row of the greatest y."""
     return pgm_header(costs.shape) + GridGeometry.to_image(costs).tobytes()
 
 
 def mask_pgm(mask: Int8Array) -> bytes:
-    """Return a PGM, for mode raw, of a filter's mask (rows, cols) int8: greys 0 … 100, 0 where nothing is painted."""
+    """Return a PGM of a filter's mask (rows, cols) int8, for mode raw: grey values 0 to 100, 0 where nothing is
+    painted.
+    """
     return costmap_pgm(mask.clip(0).astype(np.uint8))
 
 
 def costmap_mcap(costmap: RecordedCostmap) -> bytes:
-    """Return an MCAP file with a costmap, as :func:`save_costmap_mcap` writes it."""
+    """Return an MCAP file with a costmap, as written by :func:`save_costmap_mcap`."""
     file = io.BytesIO()
     write_costmaps(file, [costmap])
     return file.getvalue()
@@ -37,10 +39,10 @@ def costmap_mcap(costmap: RecordedCostmap) -> bytes:
 def save_costmap(
     costs: UInt8Array, geometry: GridGeometry, prefix: str | os.PathLike[str], frame: str | None = None
 ) -> tuple[Path, Path]:
-    """Write ``prefix.yaml`` and ``prefix.pgm``, whose pixels are the costs 0 … 255; return both paths.
+    """Write ``prefix.yaml`` and ``prefix.pgm`` with the costs 0 to 255 as pixels; return both paths.
 
-    The image's top row is the row of the greatest y. Each file appears whole or not at all. Raises
-    :class:`ConfigError` where a file cannot be written.
+    The image's top row is the row of the greatest y. Each file is written atomically. Raises :class:`ConfigError` if a
+    file cannot be written.
     """
     base = Path(prefix)
     if not base.name:
@@ -67,7 +69,7 @@ def save_costmap_mcap(
 ) -> None:
     """Write an MCAP file with the costs on ``/costmap_raw`` (nav2_msgs/Costmap) and ``/costmap`` (OccupancyGrid).
 
-    The file appears whole or not at all. Raises :class:`ConfigError` where it cannot be written.
+    The file is written atomically. Raises :class:`ConfigError` if it cannot be written.
     """
     costmap = RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", geometry, costs)
     target = Path(path)

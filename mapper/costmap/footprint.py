@@ -1,4 +1,4 @@
-"""The outline of a robot: its inscribed and circumscribed radius, and where it lies on the map."""
+"""Outline of a robot: inscribed and circumscribed radius, and its position on the map."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from mapper.core.se2 import transform_points
 
 Vertices: TypeAlias = "tuple[tuple[float, float], ...]"
 
-_CIRCLE = 16  #: corners of a round robot's outline, as Nav2's makeFootprintFromRadius has
+_CIRCLE = 16  #: vertices of a round robot's outline, as in Nav2's makeFootprintFromRadius
 MAX_VERTICES = 200
 
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """A polygon: the outline of a robot, its vertices in the frame of the robot, metres.
+    """Outline of a robot: a polygon with vertices in the robot's frame, metres.
 
-    A vertex that is the next one again, as the last of a closed outline is the first, is left out. As in Nav2, the
-    polygon need not hold the origin, and may cross itself. Raises :class:`ConfigError` for fewer than three or more
-    than 200 vertices, and values that are not finite.
+    A vertex equal to the next one, such as the last of a closed outline, is removed. As in Nav2, the polygon need not
+    contain the origin and may cross itself. Raises :class:`ConfigError` for fewer than three or more than 200 vertices,
+    and values that are not finite.
     """
 
     vertices: Vertices
@@ -48,7 +48,7 @@ class Footprint:
 
     @classmethod
     def circle(cls, radius: float) -> Footprint:
-        """Return the outline of a round robot of ``radius`` metres: 16 points on the circle.
+        """Return the outline of a round robot with a radius in metres: 16 points on the circle.
 
         Raises :class:`ConfigError` for a radius that is not a positive finite number.
         """
@@ -65,7 +65,7 @@ class Footprint:
 
     @property
     def crossing(self) -> tuple[int, int] | None:
-        """The numbers, from 0, of the points at which the first two edges begin that are no neighbours and meet."""
+        """The first pair of non-adjacent edges that intersect, as the indices from 0 of their start points."""
         points = np.asarray(self.vertices)
         n = len(points)
         for i in range(n):
@@ -76,7 +76,7 @@ class Footprint:
 
     @property
     def holds_origin(self) -> bool:
-        """Whether the origin, about which the robot turns, is in the polygon or on its outline."""
+        """Whether the origin, the robot's centre of rotation, is inside the polygon or on its outline."""
         points, origin = np.asarray(self.vertices), np.zeros(2)
         inside = False
         for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):

@@ -1,4 +1,4 @@
-"""A layer whose costs another module computes, such as those of a terrain."""
+"""Layer with costs computed by another module, such as those of a terrain."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from mapper.grid.occupancy_grid import GridGeometry
 
 
 class GivenLayer:
-    """Costs (rows, cols) uint8 that are given, laid over the layers before where they are greater.
+    """Externally set costs (rows, cols) uint8; the greater of these and the costs before is used.
 
-    ``reason`` says in one sentence why a cell (row, col) has its cost. Cells are 255 until they are set.
+    ``reason`` returns one sentence on the cost of a cell (row, col). Cells are 255 until they are set.
     """
 
     def __init__(self, geometry: GridGeometry, name: str, reason: Callable[[int, int], str] | None = None) -> None:
@@ -30,9 +30,9 @@ class GivenLayer:
         self._changed: CellBox | None = None
 
     def set(self, costs: UInt8Array, row: int = 0, col: int = 0) -> None:
-        """Set the costs of a rectangle whose first cell is (row, col).
+        """Set the costs of a rectangle with its first cell at (row, col).
 
-        Raises :class:`ConfigError` for another type than uint8, and for a rectangle that is not within the layer.
+        Raises :class:`ConfigError` for another type than uint8, and for a rectangle outside the layer.
         """
         if costs.dtype != np.uint8 or costs.ndim != 2:
             raise ConfigError("costmap.given", f"Costs must be a uint8 array (rows, cols), not {costs.dtype}.")
@@ -50,16 +50,16 @@ class GivenLayer:
         self._changed = box if self._changed is None else self._changed | box
 
     def take(self, costs: UInt8Array, geometry: GridGeometry) -> None:
-        """Set all costs from those (rows, cols) on another geometry, at the centres of the layer's cells.
+        """Set all costs by sampling those (rows, cols) of another geometry at the centres of the layer's cells.
 
-        Cells outside of it are 255. Raises :class:`ConfigError` for another shape than the geometry's.
+        Cells outside it are 255. Raises :class:`ConfigError` for another shape than the geometry's.
         """
         if costs.shape != geometry.shape:
             raise ConfigError("costmap.shape", f"The costs {costs.shape} do not fit their {geometry.shape} cells.")
         self.set(on_geometry(costs, geometry, self._geometry, NO_INFORMATION))
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return what was set since the last call."""
+        """Return the box set since the last call."""
         del now, robot
         box, self._changed = self._changed, None
         return box
@@ -69,7 +69,7 @@ class GivenLayer:
         lay_over(self.costs[part_of(box)], COMBINATIONS.index("max"), master[part_of(box)])
 
     def why(self, row: int, col: int) -> str:
-        """Say the cost, by the given reason where there is one."""
+        """Describe the cost, with the given reason if there is one."""
         if self._reason is not None:
             return self._reason(row, col)
         return f"Given: {name_of_cost(int(self.costs[row, col]))}."

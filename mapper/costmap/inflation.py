@@ -1,4 +1,4 @@
-"""Inflation: costs that fall with the distance from the nearest obstacle."""
+"""Inflation: costs that decrease with the distance from the nearest obstacle."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from mapper.costmap.kernels.inflation import (
 from mapper.costmap.parameters import InflationConfig
 from mapper.grid.cell_box import CellBox
 
-MAX_RADIUS = 253  #: cells; distances within a column are counted in a byte
-_NARROW = 180  #: cells; the radius up to which squared distances fit 16 bits
+MAX_RADIUS = 253  #: cells; distances within a column are stored in a byte
+_NARROW = 180  #: cells; maximum radius for which squared distances fit into 16 bits
 
 
 @lru_cache(maxsize=16)
@@ -48,8 +48,8 @@ def radius_in_cells(config: InflationConfig, resolution: float) -> int:
 def squared_distances(costs: UInt8Array, radius: int) -> np.ndarray:
     """Return the squared distance (rows, cols), in cells, of each cell to the nearest lethal cell of ``costs``.
 
-    Farther than ``radius`` cells is radius² + 1. The type is uint16 or uint32. Raises :class:`ConfigError` for a radius
-    outside 0 … 253.
+    Distances beyond ``radius`` cells are radius² + 1. The type is uint16 or uint32. Raises :class:`ConfigError` for a
+    radius outside 0 … 253.
     """
     if not 0 <= radius <= MAX_RADIUS:
         raise ConfigError("costmap.radius", f"The radius must be 0 … {MAX_RADIUS} cells, not {radius}.")
@@ -76,12 +76,12 @@ def inflate(
     out: UInt8Array,
     box: CellBox | None = None,
 ) -> None:
-    """Write the inflated costs of the cells of ``box``, which is the whole map by default, into ``out``.
+    """Write the inflated costs of the cells of ``box``, by default the whole map, into ``out``.
 
-    ``costs`` and ``out`` are (rows, cols) uint8, C-contiguous, and not the same array. Costs outside the box are read
-    as far as the inflation radius, and are not written. ``resolution`` is in m per cell, ``inscribed_radius`` in m.
-    The result is that of Nav2's inflation layer with exact distances; Nav2 finds the nearest obstacle by a wavefront,
-    which in rare cells is not the nearest one. Source: nav2_costmap_2d, inflation_layer.cpp.
+    ``costs`` and ``out`` are (rows, cols) uint8, C-contiguous, and different arrays. Costs outside the box are read
+    within the inflation radius, but not written. ``resolution`` is in m per cell, ``inscribed_radius`` in m. The result
+    is that of Nav2's inflation layer with exact distances; Nav2 finds the nearest obstacle by a wavefront, which is not
+    exact in rare cells. Source: nav2_costmap_2d, inflation_layer.cpp.
     """
     rows, cols = costs.shape
     box = box or CellBox(0, rows, 0, cols)
@@ -124,7 +124,7 @@ def _blocks(costs: UInt8Array, with_unknown: bool) -> np.ndarray:
 
 
 def _working(radius: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return working memory of one thread for tiles of the greatest size."""
+    """Return one thread's working memory for tiles of the maximum size."""
     kind = _type_for(radius)
     columns = np.empty((TILE_ROWS + 2 * radius) * (TILE_COLS + 2 * radius), dtype=np.uint8)
     return columns, np.empty(TILE_COLS + 2 * radius, dtype=kind), np.empty((TILE_ROWS, TILE_COLS), dtype=kind)
@@ -137,7 +137,7 @@ def _cut(columns: np.ndarray, squares: np.ndarray, part: np.ndarray, radius: int
 
 
 def _over_tiles(fill: Callable[[list[tuple[int, int]]], None], box: CellBox) -> None:
-    """Call ``fill`` with the corners (row, col) of the tiles of a box, in as many parts as there are cores."""
+    """Call ``fill`` with the corners (row, col) of the tiles of a box, in one part per core."""
     tiles = list(product(range(box.row0, box.row1, TILE_ROWS), range(box.col0, box.col1, TILE_COLS)))
     n = min(cores(), len(tiles))
     if n <= 1:

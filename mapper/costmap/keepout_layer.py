@@ -1,4 +1,4 @@
-"""Areas that a robot must not enter, painted or from a mask."""
+"""Keepout areas, painted or from a mask."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from mapper.grid.occupancy_grid import GridGeometry
 
 
 class KeepoutLayer:
-    """Cells that were painted as forbidden, or as costly (KeepoutFilter): a mask of values 0 … 100, −1 for none.
+    """Keepout and high-cost areas (KeepoutFilter): a mask of values 0 to 100, −1 for none.
 
-    Source: nav2_costmap_2d, keepout_filter.cpp: the mask's value is interpreted as a cost, and the greater one holds.
+    Source: nav2_costmap_2d, keepout_filter.cpp: the mask's value is interpreted as a cost, and the greater cost is
+    used.
     """
 
     def __init__(self, geometry: GridGeometry, mask: Mask | None = None, name: str = "keepout_filter") -> None:
@@ -31,7 +32,7 @@ class KeepoutLayer:
         self.costs: UInt8Array = mask_costs(self.mask)
 
     def paint(self, polygon_xy: Float64Array, value: int) -> None:
-        """Set the mask's value of the cells in a polygon (n, 2), map metres; −1 erases.
+        """Set the mask's value in the cells of a polygon (n, 2), map metres; −1 erases.
 
         Raises :class:`ConfigError` for a value outside −1 … 100 or a polygon of fewer than three points.
         """
@@ -46,7 +47,7 @@ class KeepoutLayer:
         fill_polygon(lattice, cost, self.costs, self._bounds)
 
     def clear(self) -> None:
-        """Remove all that was painted."""
+        """Remove everything painted."""
         painted = np.argwhere(self.mask >= 0)
         if len(painted):
             (row0, col0), (row1, col1) = painted.min(axis=0), painted.max(axis=0)
@@ -56,7 +57,7 @@ class KeepoutLayer:
             self.mask[...], self.costs[...] = -1, NO_INFORMATION
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return what was painted since the last call."""
+        """Return the box painted since the last call."""
         del now, robot
         box, self._bounds = box_of(self._bounds), no_bounds()
         return box
@@ -66,7 +67,7 @@ class KeepoutLayer:
         lay_over(self.costs[part_of(box)], COMBINATIONS.index("max"), master[part_of(box)])
 
     def why(self, row: int, col: int) -> str:
-        """Say what was painted here."""
+        """Describe the painted value."""
         value = int(self.mask[row, col])
         if value < 0:
             return "Nothing is painted here."

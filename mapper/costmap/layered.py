@@ -1,4 +1,4 @@
-"""A costmap made of layers: each update goes through the layers, only in the cells that changed."""
+"""Layered costmap: an update passes through the layers, only for the cells that changed."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class CellReason:
 
 
 class LayeredCostmap:
-    """Costs (rows, cols) uint8 over the cells of ``geometry``, made of layers.
+    """Costs (rows, cols) uint8 over the cells of ``geometry``, computed from layers.
 
-    ``below`` are laid one over the other, bottom first; ``inflation`` puts costs around their obstacles; ``above`` are
-    laid over the result and are not inflated. Source: nav2_costmap_2d, layered_costmap.cpp. Raises
-    :class:`ConfigError` for a layer of another shape.
+    ``below`` are combined bottom first; ``inflation`` adds costs around their obstacles; ``above`` are applied to the
+    result and not inflated. Source: nav2_costmap_2d, layered_costmap.cpp. Raises :class:`ConfigError` for a layer of
+    another shape.
     """
 
     def __init__(
@@ -60,14 +60,13 @@ class LayeredCostmap:
         self.costs: UInt8Array = self._under.copy()
         self._is_new = True
         denoising = [layer for layer in (*below, *above) if isinstance(layer, DenoiseLayer)]
-        self._reach = sum(layer.reach for layer in denoising)  #: cells around a change whose costs may change
+        self._reach = sum(layer.reach for layer in denoising)  #: cells around a change in which costs may change
 
     def update(self, now: float = 0.0, pose: tuple[float, float, float] | None = None) -> CellBox | None:
-        """Bring the costs up to date; return the box of cells that may have changed, or None.
+        """Update the costs; return the box of cells that may have changed, or None.
 
-        The first update goes through the whole map, also where the layers have been used before.
-        ``now`` is in seconds, on the clock of the observations. ``pose`` (x, y, yaw) is the robot's in the map; without
-        it no footprint is cleared.
+        The first update covers the whole map, even if the layers were used before. ``now`` is in seconds, on the clock
+        of the observations. ``pose`` (x, y, yaw) is the robot's in the map; without it no footprint is cleared.
         """
         robot = None if pose is None else Robot(pose, self.footprint)
         boxes = [box for layer in (*self.below, *self.above) if (box := layer.changed(now, robot)) is not None]
@@ -93,7 +92,9 @@ class LayeredCostmap:
         return box
 
     def why(self, row: int, col: int) -> list[CellReason]:
-        """Return what each layer says of a cell, bottom first. Raises :class:`ConfigError` for a cell outside."""
+        """Return the contribution of each layer to a cell, bottom first. Raises :class:`ConfigError` for a cell
+        outside.
+        """
         rows, cols = self.geometry.shape
         if not (0 <= row < rows and 0 <= col < cols):
             raise ConfigError("costmap.cell", f"The cell ({row}, {col}) is not in the costmap of {rows} rows.")

@@ -1,4 +1,4 @@
-"""The layers of a costmap: each has costs of its own, or changes those of the layers before it."""
+"""Layers of a costmap: each has its own costs, or modifies those of the layers before it."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from mapper.grid.occupancy_grid import GridGeometry
 from mapper.sensors.scan import RangeScan
 
 _OVERWRITE_ALL = 3
-_SHORT_OF_RANGE_MAX = 1e-4  #: metres, as Nav2 shortens a beam without return
+_SHORT_OF_RANGE_MAX = 1e-4  #: metres by which Nav2 shortens a beam without return
 
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """End points of readings: ``points`` (n, 3) and the sensor's place (3,) in map metres; ``stamp`` in seconds.
+    """Endpoints of readings: ``points`` (n, 3) and the sensor's position (3,) in map metres; ``stamp`` in seconds.
 
-    ``source`` is the name of the source of observations in its layer, None for the first one.
-    Raises :class:`ConfigError` for other shapes and for values that are not finite.
+    ``source`` is the name of the observation source in its layer, None for the first one. Raises :class:`ConfigError`
+    for other shapes and for values that are not finite.
     """
 
     sensor: Float64Array
@@ -70,41 +70,41 @@ class Layer(Protocol):
 
     @property
     def name(self) -> str:
-        """The name of the layer in Nav2's lists of plugins."""
+        """The layer's name in Nav2's plugin lists."""
 
     @property
     def costs(self) -> UInt8Array:
         """Its costs (rows, cols) uint8."""
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Bring the layer up to date; return the box of cells that changed since the last call."""
+        """Update the layer; return the box of cells that changed since the last call."""
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Lay the layer over the cells of ``box`` of ``master`` (rows, cols)."""
+        """Apply the layer to the cells of ``box`` of ``master`` (rows, cols)."""
 
     def why(self, row: int, col: int) -> str:
-        """Return why the layer has its cost in a cell: one sentence."""
+        """Return the reason for the layer's cost in a cell: one sentence."""
 
 
 def part_of(box: CellBox) -> tuple[slice, slice]:
-    """Return the rows and columns of a box, for an index."""
+    """Return the rows and columns of a box as an index."""
     return slice(box.row0, box.row1), slice(box.col0, box.col1)
 
 
 def box_of(bounds: Int64Array) -> CellBox | None:
-    """Return the box of the bounds (row0, row1, col0, col1) that a kernel enlarged, or None where it wrote nothing."""
+    """Return the box of the bounds (row0, row1, col0, col1) that a kernel extended, or None if it wrote nothing."""
     row0, row1, col0, col1 = (int(bound) for bound in bounds)
     return CellBox(row0, row1, col0, col1) if row0 < row1 and col0 < col1 else None
 
 
 def no_bounds() -> Int64Array:
-    """Return bounds (row0, row1, col0, col1) that hold no cell."""
+    """Return empty bounds (row0, row1, col0, col1)."""
     most = np.iinfo(np.int64).max
     return np.array([most, 0, most, 0], dtype=np.int64)
 
 
 class StaticLayer:
-    """The map: lethal, free or unknown, or costs between with ``trinary_costmap`` off (StaticLayer)."""
+    """The map as lethal, free and unknown or, with ``trinary_costmap`` off, with costs in between (StaticLayer)."""
 
     name = "static_layer"
 
@@ -114,16 +114,16 @@ class StaticLayer:
                 "costmap.shape", f"The map has {values.shape} values, but the costmap {geometry.shape} cells."
             )
         self._geometry, self._values, self._config = geometry, values.copy(), config
-        self._under_robot: CellBox | None = None  #: cells of which some are free because the robot stands there
+        self._under_robot: CellBox | None = None  #: cells of which some are free because the robot is there
         table = static_costs(config, general.track_unknown_space)
         self.costs: UInt8Array = table[values.view(np.uint8)]
         self._table = table
         self._changed: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
 
     def renew(self, values: Int8Array, box: CellBox) -> None:
-        """Take other values of the map, those of the cells of ``box``, as for a map that is still being made.
+        """Update the map's values in the cells of ``box``, as for a map that is still being built.
 
-        Raises :class:`ConfigError` for another shape than that of the box.
+        Raises :class:`ConfigError` if their shape is not that of the box.
         """
         part = self._values[part_of(box)]
         if values.shape != part.shape:
@@ -141,9 +141,9 @@ class StaticLayer:
         self._changed = near if self._changed is None else self._changed | near
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return the whole map at first, then what was renewed.
+        """Return the whole map the first time, then the updated boxes.
 
-        With ``footprint_clearing_enabled`` the cells under the robot are free as long as it is there.
+        With ``footprint_clearing_enabled`` the cells under the robot are free while it is there.
         """
         del now
         box, self._changed = self._changed, None
@@ -159,23 +159,20 @@ class StaticLayer:
         return box
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Lay the map over the master: everywhere, or with ``use_maximum`` where it is greater."""
+        """Write the map into the master, or with ``use_maximum`` keep the greater cost."""
         if self._config.enabled:
             method = COMBINATIONS.index("max") if self._config.use_maximum else _OVERWRITE_ALL
             lay_over(self.costs[part_of(box)], method, master[part_of(box)])
 
     def why(self, row: int, col: int) -> str:
-        """Say which value of the map the cost is from."""
+        """Describe the map value from which the cost was derived."""
         value, cost = int(self._values[row, col]), int(self.costs[row, col])
         value_text = "unknown" if value < 0 else f"{value} of 100"
         return f"The map’s value is {value_text}: {name_of_cost(cost)}."
 
 
 def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:
-    """Return the cost (256,) uint8 of each value of a map, where unknown (−1) is 255.
-
-    Source: nav2_costmap_2d, static_layer.cpp, interpretValue.
-    """
+    """Return the cost (256,) uint8 of each map value; unknown (−1) has index 255."""
     values = np.arange(256)
     threshold = int(config.lethal_cost_threshold)
     between = (values / threshold * LETHAL).astype(np.int64)
@@ -186,7 +183,7 @@ def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:
 
 
 class MarkedLayer:
-    """Costs that observations mark and clear: what the obstacle and the voxel layer have in common."""
+    """Costs marked and cleared by observations: the common base of the obstacle and the voxel layer."""
 
     def __init__(self, geometry: GridGeometry, config: ObstacleConfig, general: CostmapConfig) -> None:
         self._geometry, self._config = geometry, config
@@ -196,15 +193,15 @@ class MarkedLayer:
 
     @property
     def config(self) -> ObstacleConfig:
-        """The present parameters."""
+        """The current parameters."""
         return self._config
 
     def configure(self, config: ObstacleConfig) -> None:
-        """Take other parameters; what was marked stays."""
+        """Replace the parameters; existing marks are kept."""
         self._config = config
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Clear the costs under the robot, not the voxels, as Nav2 does; return what changed."""
+        """Clear the costs under the robot (but not the voxels, as in Nav2); return the box that changed."""
         del now
         if robot is not None and self._config.footprint_clearing_enabled:
             clear_footprint(self._geometry, robot, FREE, self.costs, self._bounds)
@@ -212,7 +209,7 @@ class MarkedLayer:
         return box
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Lay the obstacles over the master as ``combination_method`` says."""
+        """Combine the obstacles with the master by ``combination_method``."""
         if self._config.enabled:
             lay_over(
                 self.costs[part_of(box)], COMBINATIONS.index(self._config.combination_method), master[part_of(box)]
@@ -220,12 +217,14 @@ class MarkedLayer:
 
 
 class ObstacleLayer(MarkedLayer):
-    """Obstacles that readings mark and clear (ObstacleLayer)."""
+    """Obstacles marked and cleared by readings (ObstacleLayer)."""
 
     name = "obstacle_layer"
 
     def observe(self, *observations: Observation) -> None:
-        """Clear what the beams of all observations passed, then mark their end points, each as its source does."""
+        """Clear the cells along the beams of all observations, then mark their endpoints, by their source's
+        parameters.
+        """
         seen = seen_by_sources(self._config, observations)
         for source, observation in seen:
             clear(self._geometry, source, observation, FREE, self.costs, self._bounds)
@@ -233,7 +232,7 @@ class ObstacleLayer(MarkedLayer):
             mark(self._geometry, self._config, source, observation, LETHAL, self.costs, self._bounds)
 
     def why(self, row: int, col: int) -> str:
-        """Say whether a reading marked or cleared the cell."""
+        """Describe whether a reading marked or cleared the cell."""
         sentences = {
             LETHAL: "A reading ended here, and none passed through since: lethal.",
             FREE: "No obstacle: beams passed through, or nothing was seen here.",
@@ -254,12 +253,12 @@ class InflationLayer:
         self._under: UInt8Array = self.costs
 
     def spread(self, under: UInt8Array, box: CellBox) -> None:
-        """Write the costs of the cells of ``box``; ``under`` (rows, cols) are those of the layers before."""
+        """Write the costs of the cells of ``box``; ``under`` (rows, cols) are the costs of the layers before."""
         self._under = under
         inflate(under, self._config, self._geometry.resolution, self._inscribed, self.costs, box)
 
     def why(self, row: int, col: int) -> str:
-        """Say how far the nearest obstacle is, and which part of the cost that distance gives."""
+        """Describe the distance to the nearest obstacle, and the component of the cost that it determines."""
         nearest = self.nearest(row, col)
         if nearest is None:
             return f"No obstacle within {self._config.inflation_radius:g} m: no cost."
@@ -295,10 +294,7 @@ class InflationLayer:
 def seen_by_sources(
     config: ObstacleConfig, observations: Sequence[Observation]
 ) -> list[tuple[SourceConfig, Observation]]:
-    """Return the parameters of each observation's source, and its points that are within that source's heights.
-
-    Source: nav2_costmap_2d, observation_buffer.cpp, bufferCloud.
-    """
+    """Return the source parameters of each observation, and its points within that source's heights."""
     seen = []
     for observation in observations:
         source, z = config.source(observation.source), observation.points[:, 2]
@@ -317,7 +313,7 @@ def clear(
     out: np.ndarray,
     bounds: Int64Array,
 ) -> None:
-    """Write ``value`` into the cells that the beams of an observation passed."""
+    """Write ``value`` into the cells along the beams of an observation."""
     if source.clearing:
         least, most = clearing_cells(source, geometry)
         as_stored = out.dtype.type(value)
@@ -325,7 +321,7 @@ def clear(
 
 
 def clearing_cells(source: SourceConfig, geometry: GridGeometry) -> tuple[int, int]:
-    """Return between which distances from the sensor a beam clears, in cells."""
+    """Return the range of distances from the sensor, in cells, in which a beam clears."""
     least, most = (cells_of(r, geometry.resolution) for r in (source.raytrace_min_range, source.raytrace_max_range))
     return least, most
 
@@ -339,14 +335,14 @@ def mark(
     out: np.ndarray,
     bounds: Int64Array,
 ) -> None:
-    """Write ``value`` into the cells of the end points that mark."""
+    """Write ``value`` into the cells of the endpoints that mark."""
     if source.marking:
         marking, as_stored = marking_of(config, source), out.dtype.type(value)
         mark_cells(observation.points, observation.sensor, geometry.frame, marking, as_stored, out, bounds)
 
 
 def marking_of(config: ObstacleConfig, source: SourceConfig) -> Marking:
-    """Return which points of a source mark, for the kernels: the heights are the layer's."""
+    """Return the marking limits of a source for the kernels, with the layer's heights."""
     return Marking(
         source.obstacle_min_range, source.obstacle_max_range, config.min_obstacle_height, config.max_obstacle_height
     )
@@ -365,10 +361,10 @@ def observation_of_scan(
     inf_is_valid: bool = False,
     height: float = 0.0,
 ) -> Observation:
-    """Return the end points of a scan by a sensor at ``sensor_pose`` (x, y, yaw) in the map, ``height`` m up.
+    """Return the endpoints of a scan from a sensor at ``sensor_pose`` (x, y, yaw) in the map, at ``height`` m.
 
-    With ``inf_is_valid`` a beam without return ends at the scan's greatest range, otherwise it is left out, as are
-    readings that are invalid. Source: nav2_costmap_2d, obstacle_layer.cpp, laserScanValidInfCallback.
+    With ``inf_is_valid`` a beam without return ends at the scan's maximum range, otherwise it is ignored, as are
+    invalid readings. Source: nav2_costmap_2d, obstacle_layer.cpp, laserScanValidInfCallback.
     """
     x, y, yaw = (float(v) for v in sensor_pose)
     ranges = scan.ranges.astype(np.float64)

@@ -1,4 +1,4 @@
-"""Masks of Nav2's costmap filters: maps whose values 0 … 100 are not occupancy."""
+"""Masks of Nav2's costmap filters: maps with values 0 to 100 that are not occupancy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Values = TypeVar("Values", Int8Array, UInt8Array)
 
 @dataclass(frozen=True, slots=True)
 class Mask:
-    """Values (rows, cols) int8, 0 … 100 or −1 for none, over the cells of a geometry of their own.
+    """Values (rows, cols) int8, 0 to 100 or −1 for none, over the cells of a separate geometry.
 
     ``notes`` are those of the reader of its file. Raises :class:`ConfigError` for another shape.
     """
@@ -44,7 +44,7 @@ class Mask:
 
 
 def on_geometry(values: Values, own: GridGeometry, geometry: GridGeometry, outside: int) -> Values:
-    """Return values (rows, cols) on ``own`` cells at the centres of the cells of another geometry."""
+    """Sample values (rows, cols) of the geometry ``own`` at the cell centres of another geometry."""
     if geometry == own:
         return values.copy()
     out = np.full(geometry.shape, outside, dtype=values.dtype)
@@ -57,7 +57,7 @@ def on_geometry(values: Values, own: GridGeometry, geometry: GridGeometry, outsi
 
 
 def mask_costs(values: Int8Array) -> UInt8Array:
-    """Return the costs uint8 of a keepout mask's values, −1 as no information (CostmapFilter::getMaskCost)."""
-    # std::round rounds halves away from zero; np.rint would round them to even.
+    """Return the costs uint8 of a keepout mask's values; −1 becomes NO_INFORMATION (CostmapFilter::getMaskCost)."""
+    # std::round rounds halves away from zero; np.rint rounds them to even.
     scaled = np.floor(values.astype(np.float64) * LETHAL / 100.0 + 0.5)
     return np.where(values < 0, NO_INFORMATION, scaled).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""The tables of parameters of the layers, with Nav2's names and defaults.
+"""Parameter tables of the layers, with Nav2's names and defaults.
 
 Source: the Nav2 documentation, Costmap 2D, and the declarations in nav2_costmap_2d.
 """
@@ -42,7 +42,7 @@ class CostmapConfig:
 
 @dataclass(frozen=True, slots=True)
 class StaticConfig:
-    """Parameters of the static layer. Raises as :class:`CostmapConfig`."""
+    """Parameters of the static layer. Raises the errors of :class:`CostmapConfig`."""
 
     # fmt: off
     enabled: bool = _enabled("static")
@@ -73,9 +73,9 @@ class StaticConfig:
 
 @dataclass(frozen=True, slots=True)
 class ReadingsConfig:
-    """Parameters of what readings mark and clear, as a source of observations and an obstacle layer both have them.
+    """Parameters of marking and clearing, shared by observation sources and obstacle layers.
 
-    The initial values are Nav2's for a source. Raises as :class:`CostmapConfig`.
+    The initial values are Nav2's for a source. Raises the errors of :class:`CostmapConfig`.
     """
 
     # fmt: off
@@ -105,10 +105,10 @@ class ReadingsConfig:
 
 @dataclass(frozen=True, slots=True)
 class SourceConfig(ReadingsConfig):
-    """Parameters of a source of observations of an obstacle layer. Raises as :class:`CostmapConfig`.
+    """Parameters of an observation source of an obstacle layer. Raises the errors of :class:`CostmapConfig`.
 
-    A point lower or higher than its heights neither marks nor clears. The initial values are Nav2's, by which a
-    source marks what is at a height of 0 m, and clears nothing.
+    A point outside its heights neither marks nor clears. The initial values are Nav2's, with which a source marks
+    points at a height of 0 m and clears nothing.
     """
 
     # fmt: off
@@ -123,9 +123,9 @@ class SourceConfig(ReadingsConfig):
 
 @dataclass(frozen=True, slots=True)
 class NamedSource:
-    """A source of observations of a parameter file: its name there, its parameters, and what it listens to.
+    """An observation source of a parameter file: its name, its parameters and its topic.
 
-    Without ``topic`` that is named as the source. ``data_type`` is LaserScan or PointCloud2.
+    Without ``topic`` the topic has the name of the source. ``data_type`` is LaserScan or PointCloud2.
     """
 
     name: str
@@ -136,11 +136,11 @@ class NamedSource:
 
 @dataclass(frozen=True, slots=True)
 class ObstacleConfig(ReadingsConfig):
-    """Parameters of the obstacle layer and its sources of observations. Raises as :class:`CostmapConfig`.
+    """Parameters of the obstacle layer and its observation sources. Raises the errors of :class:`CostmapConfig`.
 
-    Where ``sources`` is None there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own;
-    else each of them has these for itself, and a layer of none sees nothing. The heights are the layer's, within which
-    a point marks.
+    If ``sources`` is None there is one source, whose parameters are those from ``marking`` to ``inf_is_valid``;
+    otherwise each source has its own, and a layer with no sources has no observations. The heights are the layer's
+    limits for marking.
     """
 
     # fmt: off
@@ -164,7 +164,9 @@ class ObstacleConfig(ReadingsConfig):
     sources: tuple[NamedSource, ...] | None = None
 
     def source(self, name: str | None) -> SourceConfig:
-        """Return the parameters of a source: None for the first one. Raises :class:`ConfigError` for no such source."""
+        """Return the parameters of a source, None for the first one. Raises :class:`ConfigError` for an unknown
+        source.
+        """
         if self.sources is None and name is None:
             own = {row.name: getattr(self, row.name) for row in SOURCE_PARAMETERS}
             return SourceConfig(**own)
@@ -174,10 +176,10 @@ class ObstacleConfig(ReadingsConfig):
         raise ConfigError("costmap.source", f"The layer has no source of observations {name!r:.80}.")
 
     def sources_of_scans(self, topic: str = "", topics: Collection[str] = ()) -> tuple[str | None, ...]:
-        """Return the names of the sources that see the scans of one lidar.
+        """Return the names of the sources that receive the scans of one lidar.
 
-        ``topic`` is the lidar's, of ``topics`` that there are. They are the sources of LaserScan with its topic or,
-        where none has a topic of these (:meth:`has_topic_of`), those with the first one's topic.
+        ``topic`` is the lidar's, one of ``topics``. They are the LaserScan sources with its topic or, if none has one
+        of these topics (:meth:`has_topic_of`), those with the first source's topic.
         """
         if self.sources is None:
             return (None,)
@@ -185,24 +187,24 @@ class ObstacleConfig(ReadingsConfig):
         return tuple(name for name, of_source in self._topics_of_scans.items() if of_source == wanted)
 
     def has_topic_of(self, topics: Collection[str]) -> bool:
-        """Whether a source of LaserScan has one of these topics."""
+        """Whether a LaserScan source has one of these topics."""
         return bool({_topic_name(topic) for topic in topics} & set(self._topics_of_scans.values()))
 
     @property
     def _topics_of_scans(self) -> dict[str, str]:
-        """The topics of the sources of LaserScan by their names, in their order."""
+        """The topics of the LaserScan sources by name, in order."""
         scans = [source for source in self.sources or () if source.data_type == "LaserScan"]
         return {source.name: _topic_name(source.topic or source.name) for source in scans}
 
 
 def _topic_name(topic: str) -> str:
-    """Return the name of a topic without the slash before it, and without the tf that it is looked up in."""
+    """Return a topic name without the leading slash and without the tf prefix."""
     return topic.partition("#")[0].strip("/")
 
 
 @dataclass(frozen=True, slots=True)
 class VoxelConfig(ObstacleConfig):
-    """Parameters of the voxel layer. Raises as :class:`CostmapConfig`."""
+    """Parameters of the voxel layer. Raises the errors of :class:`CostmapConfig`."""
 
     # fmt: off
     enabled: bool = _enabled("voxel")
@@ -222,7 +224,7 @@ class VoxelConfig(ObstacleConfig):
 
 @dataclass(frozen=True, slots=True)
 class DecayConfig(ObstacleConfig):
-    """Parameters of the layer of obstacles with a lifetime. Raises as :class:`CostmapConfig`."""
+    """Parameters of the obstacle layer with a lifetime. Raises the errors of :class:`CostmapConfig`."""
 
     # fmt: off
     enabled: bool = _enabled("dynamic")
@@ -235,7 +237,7 @@ class DecayConfig(ObstacleConfig):
 
 @dataclass(frozen=True, slots=True)
 class DenoiseConfig:
-    """Parameters of the layer that removes small groups of obstacles. Raises as :class:`CostmapConfig`."""
+    """Parameters of the layer that removes small groups of obstacles. Raises the errors of :class:`CostmapConfig`."""
 
     # fmt: off
     enabled: bool = _enabled("denoise")
@@ -255,7 +257,7 @@ class DenoiseConfig:
 
 @dataclass(frozen=True, slots=True)
 class GivenConfig:
-    """Parameters of a layer whose costs another module computes. Raises as :class:`CostmapConfig`."""
+    """Parameters of a layer with externally computed costs. Raises the errors of :class:`CostmapConfig`."""
 
     # fmt: off
     enabled: bool = _enabled("terrain")
@@ -267,7 +269,7 @@ class GivenConfig:
 
 @dataclass(frozen=True, slots=True)
 class InflationConfig:
-    """Parameters of the inflation layer. Raises as :class:`CostmapConfig`."""
+    """Parameters of the inflation layer. Raises the errors of :class:`CostmapConfig`."""
 
     # fmt: off
     enabled: bool = _enabled("inflation")

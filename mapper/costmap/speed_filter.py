@@ -1,4 +1,4 @@
-"""Speed limits painted on a map (SpeedFilter): they change no cost, but how fast the robot may drive."""
+"""Speed limits painted on a map (SpeedFilter), which affect the robot's speed but not the costs."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.costmap.masks import Mask
 
-PERCENTAGE, ABSOLUTE = 1, 2  #: the types of nav2_msgs/CostmapFilterInfo
+PERCENTAGE, ABSOLUTE = 1, 2  #: types in nav2_msgs/CostmapFilterInfo
 
 
 @dataclass(frozen=True, slots=True)
 class SpeedLimit:
-    """The limit at a place: m/s, or % of the greatest speed with ``percentage``; None where there is no limit.
+    """The limit at a position: m/s, or % of the maximum speed with ``percentage``; None for no limit.
 
-    ``note`` says why there is none.
+    ``note`` is the reason for no limit.
     """
 
     limit: float | None
@@ -25,7 +25,7 @@ class SpeedLimit:
     note: str = ""
 
     def of(self, greatest: float) -> float:
-        """Return the greatest speed here in m/s of a robot whose greatest speed is ``greatest`` m/s."""
+        """Return the maximum speed here, m/s, of a robot with a maximum speed of ``greatest`` m/s."""
         if self.limit is None:
             return greatest
         return min(greatest, self.limit / 100.0 * greatest if self.percentage else self.limit)
@@ -34,8 +34,8 @@ class SpeedLimit:
 class SpeedFilter:
     """A mask of speed limits: the limit is ``base`` + ``multiplier`` · value.
 
-    ``kind`` 1 is percent of the greatest speed, 2 m/s. A value 0 is no limit. Raises :class:`ConfigError` for another
-    kind and numbers that are not finite. Source: nav2_costmap_2d, speed_filter.cpp.
+    ``kind`` 1 is percent of the maximum speed, 2 is m/s. A value of 0 means no limit. Raises :class:`ConfigError` for
+    another kind and numbers that are not finite. Source: nav2_costmap_2d, speed_filter.cpp.
     """
 
     def __init__(self, mask: Mask, kind: int = PERCENTAGE, base: float = 0.0, multiplier: float = 1.0) -> None:
@@ -52,8 +52,8 @@ class SpeedFilter:
     def at(self, x: float, y: float) -> SpeedLimit:
         """Return the limit for a robot at a point in map metres.
 
-        Outside the mask and in an unknown cell of it the last limit holds, as in Nav2. A limit below 0, or above 100 %,
-        is none.
+        Outside the mask and in unknown cells the last limit remains in effect, as in Nav2. A limit below 0 or above 100
+        % means no limit.
         """
         value = self.mask.at(x, y)
         if value is None or value < 0:
@@ -74,9 +74,10 @@ class SpeedFilter:
         return self._last
 
     def speeds_along(self, points_xy: Float64Array, greatest: float) -> Float64Array:
-        """Return the greatest speed (n,) in m/s at each of the places (n, 2), map metres, that a robot passes in turn.
+        """Return the maximum speed (n,), m/s, at each of the positions (n, 2), map metres, passed in order.
 
-        ``greatest`` is the robot's own, m/s. As :meth:`at` one place after another, but the limit that holds now stays.
+        ``greatest`` is the robot's own maximum, m/s. Equivalent to :meth:`at` for one position after another, without
+        changing the current limit.
         """
         rows, cols = self.mask.geometry.shape
         at = self.mask.geometry.world_to_cell(points_xy)
@@ -88,6 +89,6 @@ class SpeedFilter:
         is_none = (values == 0) | ~((limits > 0.0) & (limits <= most))
         speeds = np.minimum(limits / 100.0 * greatest if self.percentage else limits, greatest)
         speeds[is_none] = greatest
-        # The entry before the first place is the limit that holds now; unknown places take over the one before.
+        # The entry before the first position is the current limit; unknown positions inherit the previous one.
         known = np.concatenate([[0], np.where(values >= 0, np.arange(1, len(at) + 1), 0)])
         return np.concatenate([[self._last.of(greatest)], speeds])[np.maximum.accumulate(known)[1:]]

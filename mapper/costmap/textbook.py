@@ -1,7 +1,8 @@
-"""Costmaps step by step in plain NumPy, as Nav2 describes them: what the compiled functions are compared with.
+"""Costmaps step by step in plain NumPy, as in Nav2: the reference for the compiled functions.
 
 Sources: nav2_costmap_2d: inflation_layer.cpp, obstacle_layer.cpp, static_layer.cpp, costmap_2d.hpp (raytraceLine),
-costmap_layer.cpp (updateWithMax and its kin), voxel_layer.cpp; denoise_layer.cpp; nav2_voxel_grid: voxel_grid.hpp.
+costmap_layer.cpp (updateWithMax and related functions), voxel_layer.cpp; denoise_layer.cpp; nav2_voxel_grid:
+voxel_grid.hpp.
 """
 
 from __future__ import annotations
@@ -36,9 +37,9 @@ def interpret_value(
 
 
 def squared_distances(obstacles: BoolArray, radius: int) -> Int64Array:
-    """Return the squared distance (rows, cols), in cells, of each cell to the nearest obstacle, by trying them all.
+    """Return the squared distance (rows, cols), in cells, of each cell to the nearest obstacle, by brute force.
 
-    ``obstacles`` (rows, cols) says where they are. Farther than ``radius`` cells is radius² + 1.
+    ``obstacles`` (rows, cols) is a mask. Distances beyond ``radius`` cells are radius² + 1.
     """
     rows, cols = np.indices(obstacles.shape)
     best = np.full(obstacles.shape, radius * radius + 1, dtype=np.int64)
@@ -76,10 +77,10 @@ def inflate(
 
 
 def line_cells(start_rc: tuple[int, int], end_rc: tuple[int, int], max_cells: int, min_cells: int) -> Int64Array:
-    """Return the cells (n, 2) that are cleared between two cells, (row, col) (Costmap2D::raytraceLine).
+    """Return the cells (n, 2), (row, col), cleared between two cells (Costmap2D::raytraceLine).
 
-    Bresenham's line from ``start_rc`` to ``end_rc``, both included, without what is nearer than ``min_cells`` or
-    farther than ``max_cells`` from its start.
+    Bresenham's line from ``start_rc`` to ``end_rc``, both included, without cells nearer than ``min_cells`` or farther
+    than ``max_cells`` from its start.
     """
     d_row, d_col = end_rc[0] - start_rc[0], end_rc[1] - start_rc[1]
     distance = math.hypot(d_row, d_col)
@@ -114,9 +115,9 @@ def mark_and_clear(
     """Return an obstacle layer's costs (rows, cols) after one observation (ObstacleLayer::updateBounds).
 
     ``points`` (n, 3) and ``sensor`` (3,) are in map metres. ``clearing`` is (raytrace_min_range, raytrace_max_range):
-    the cells from the sensor to each point, where the line is cut at the map's border, become free. ``marking`` is
+    the cells from the sensor to each point, with the line clipped at the map's border, become free. ``marking`` is
     (obstacle_min_range, obstacle_max_range, min_obstacle_height, max_obstacle_height): then the cells of the points
-    within these bounds become lethal. Nothing is cleared where the sensor is outside the map.
+    within these limits become lethal. Nothing is cleared if the sensor is outside the map.
     """
     out = costs.copy()
     rows, cols = geometry.shape
@@ -149,10 +150,10 @@ def mark_and_clear(
 
 
 def combine(master: UInt8Array, layer: UInt8Array, method: str) -> UInt8Array:
-    """Return the costs (rows, cols) after a layer is laid over them (CostmapLayer::updateWith...).
+    """Return the costs (rows, cols) after combining a layer with them (CostmapLayer::updateWith...).
 
-    ``overwrite`` takes the layer's cost where it has information, ``max`` the greater one, ``max_known`` the greater
-    one where the master has information, ``true_overwrite`` the layer's cost everywhere.
+    ``overwrite`` uses the layer's cost where it has information, ``max`` the greater one, ``max_known`` the greater one
+    where the master has information, ``true_overwrite`` always the layer's cost.
     """
     out = master.copy()
     for row, col in np.ndindex(*master.shape):
@@ -173,10 +174,10 @@ def _length(vector: Float64Array) -> float:
 
 
 def voxel_line(start: Float64Array, end: Float64Array, most: int, least: int) -> Int64Array:
-    """Return the voxels (n, 3), (row, col, level), that are cleared between two points (VoxelGrid::raytraceLine).
+    """Return the voxels (n, 3), (row, col, level), cleared between two points (VoxelGrid::raytraceLine).
 
     ``start`` and ``end`` are (3,) lattice coordinates (v, u, level); ``least`` and ``most`` are lengths on the lattice.
-    The axis along which the line has most steps goes one step at a time, column before row before level.
+    The line advances one step at a time along its longest axis, with ties resolved in favour of column, then row.
     """
     length = _length(end - start)
     if int(length) < least:
@@ -212,9 +213,9 @@ def mark_voxels(
     heights: tuple[float, float],
     mark_threshold: int,
 ) -> None:
-    """Mark the voxels (rows, cols, levels) of points, and make columns with more than the threshold lethal.
+    """Mark the voxels (rows, cols, levels) of points, and make columns with more marks than the threshold lethal.
 
-    ``marking`` is as in :func:`mark_and_clear`, ``heights`` (origin_z, z_resolution). Points below the columns mark
+    ``marking`` is as in :func:`mark_and_clear`, ``heights`` is (origin_z, z_resolution). Points below the columns mark
     the lowest voxel. Source: VoxelLayer::updateBounds.
     """
     rows, cols, levels = voxels.shape
@@ -243,8 +244,8 @@ def clear_voxels(
 ) -> None:
     """Clear the voxels (rows, cols, levels) between the sensor and points, and set the costs of their columns.
 
-    ``thresholds`` are (mark_threshold, unknown_threshold): a column with at most that many marked voxels is free, or
-    unknown where it has more unknown voxels than the second one. Source: VoxelLayer::raytraceFreespace,
+    ``thresholds`` are (mark_threshold, unknown_threshold): a column with at most mark_threshold marked voxels becomes
+    free, or unknown if it has more than unknown_threshold unknown voxels. Source: VoxelLayer::raytraceFreespace,
     VoxelGrid::ClearVoxelInMap.
     """
     rows, cols, levels = voxels.shape
@@ -288,11 +289,10 @@ def clear_voxels(
 
 
 def denoise(costs: UInt8Array, minimal_group_size: int, connectivity: int, unknown_is_obstacle: bool) -> UInt8Array:
-    """Return the costs (rows, cols) without the groups of fewer than ``minimal_group_size`` obstacles (DenoiseLayer).
+    """Return the costs (rows, cols) without groups of fewer than ``minimal_group_size`` obstacles (DenoiseLayer).
 
-    A group is what is reached from an obstacle over neighbours that are obstacles: those with an edge in common or,
-    with a ``connectivity`` of 8, with a corner. Lethal and inscribed cells are obstacles, unknown ones if
-    ``unknown_is_obstacle``.
+    A group is a connected component of obstacles, over neighbours that share an edge or, with a ``connectivity`` of 8,
+    a corner. Lethal and inscribed cells are obstacles, and unknown ones if ``unknown_is_obstacle``.
     """
     rows, cols = costs.shape
     obstacles = {LETHAL, INSCRIBED, *([NO_INFORMATION] if unknown_is_obstacle else [])}

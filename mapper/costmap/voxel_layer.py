@@ -1,4 +1,4 @@
-"""Obstacles in columns of voxels (VoxelLayer): a column is lethal by how many of its voxels are marked."""
+"""Obstacles in columns of voxels (VoxelLayer): the number of marked voxels determines whether a column is lethal."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from mapper.costmap.layers import MarkedLayer, Observation, clearing_cells, mark
 from mapper.costmap.parameters import CostmapConfig, VoxelConfig
 from mapper.grid.occupancy_grid import GridGeometry
 
-VOXEL_BITS = 16  #: voxels of a column that the bits hold
+VOXEL_BITS = 16  #: voxels per column in the bit representation
 _UNKNOWN_COLUMN = 0xFFFF
 
 
 def heights_of(config: VoxelConfig) -> Heights:
-    """Return the voxels of a column, for the kernels."""
+    """Return the voxels of a column in the form that the kernels use."""
     n = int(config.z_voxels)
     # The bits above the column stay unknown, and are not counted as such.
     unknown = int(config.unknown_threshold) + VOXEL_BITS - n
@@ -24,10 +24,7 @@ def heights_of(config: VoxelConfig) -> Heights:
 
 
 class VoxelLayer(MarkedLayer):
-    """Obstacles that points mark and beams clear in three dimensions, seen from above.
-
-    ``columns`` (rows, cols) uint32 are the voxels, see :mod:`mapper.costmap.kernels.voxels`.
-    """
+    """Obstacles marked by points and cleared by beams in three dimensions, seen from above."""
 
     name = "voxel_layer"
 
@@ -37,7 +34,7 @@ class VoxelLayer(MarkedLayer):
         self.heights = heights_of(config)
 
     def observe(self, *observations: Observation) -> None:
-        """Clear the voxels that the beams of all observations passed, then mark those of their points."""
+        """Clear the voxels along the beams of all observations, then mark those of their points."""
         seen, frame, heights = seen_by_sources(self._config, observations), self._geometry.frame, self.heights
         for source, observation in seen:
             if source.clearing:
@@ -68,12 +65,12 @@ class VoxelLayer(MarkedLayer):
                 )
 
     def marked(self, row: int, col: int) -> list[float]:
-        """Return the heights in metres of the lower faces of the marked voxels of a column, lowest first."""
+        """Return the heights, metres, of the lower faces of a column's marked voxels, lowest first."""
         bits, heights = int(self.columns[row, col]) >> VOXEL_BITS, self.heights
         return [heights.origin_z + k * heights.z_resolution for k in range(heights.z_voxels) if bits >> k & 1]
 
     def why(self, row: int, col: int) -> str:
-        """Say how many voxels of the column are marked and unknown."""
+        """Describe how many voxels of the column are marked and unknown."""
         column, n = int(self.columns[row, col]), self.heights.z_voxels
         marked = self.marked(row, col)
         unknown = sum(not column >> (VOXEL_BITS + k) & 1 and column >> k & 1 for k in range(n))

@@ -1,4 +1,4 @@
-"""The log doctor: what is wrong with a log, where, how surely, and what to do about it."""
+"""Log doctor: defects of a log, their location, confidence and remedies."""
 
 from typing import TYPE_CHECKING
 

@@ -1,8 +1,8 @@
-"""Two lidars of one robot against each other: where both see the same walls, their mounts must put them in one place.
+"""Comparison of two lidars of one robot: if both see the same walls, their mounts must place them consistently.
 
-Scans of one are matched to scans of the other from about the same way of the robot, in the base's frame. A mount that
-is wrong by a constant gives the same correction everywhere: ``T_base_true ∘ T_base_stated⁻¹`` of it. Poses that drift,
-clocks that differ and moving things give corrections that differ from place to place, and no finding.
+Scans of one lidar are matched to scans of the other taken at about the same position of the robot, in the base frame. A
+constant mount error results in the same correction everywhere: its ``T_base_true ∘ T_base_stated⁻¹``. Drifting poses,
+different clocks and moving objects result in corrections that vary between places, which are not reported.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from mapper.sensors.scan import ScanLog
 from mapper.slam.scan_store import scans_of
 
 CHECK = "mount.between"
-MATCHED = 32  #: scans of the second sensor that are matched, evenly spread
-NEIGHBOURS = 8  #: scans of the first sensor that each is matched to
-REACH_M = 1.5  #: metres of the robot's way, a radian counting as one, within which those were taken
-WINDOW_M, WINDOW_RAD = 0.8, math.radians(30.0)  #: the greatest correction
-LEAST_SCORE = 0.6  #: of a match that counts
-FEWEST = 6  #: such matches
-TOLERANCE_M, TOLERANCE_RAD = 0.06, math.radians(1.5)  #: of the median, within which matches agree
-SHARE = 0.6  #: of the matches that must agree
+MATCHED = 32  #: scans of the second sensor that are matched, evenly spaced
+NEIGHBOURS = 8  #: scans of the first sensor to which each is matched
+REACH_M = 1.5  #: metres of the robot's path, a radian counting as one, within which those were taken
+WINDOW_M, WINDOW_RAD = 0.8, math.radians(30.0)  #: maximum correction
+LEAST_SCORE = 0.6  #: minimum score of a match
+FEWEST = 6  #: minimum number of such matches
+TOLERANCE_M, TOLERANCE_RAD = 0.06, math.radians(1.5)  #: around the median, within which matches agree
+SHARE = 0.6  #: minimum fraction of agreeing matches
 LEAST_M, LEAST_RAD = 0.05, math.radians(1.0)  #: smaller corrections are not reported
 SIGNIFICANT = 4.0  #: standard errors of the median
 SPOILED_BY = frozenset({CHANGING, "mount.turned", "readings.few", "timing.delay"})  #: findings on either sensor
@@ -48,8 +48,8 @@ def check_between(
 ) -> list[Finding]:
     """Return a finding for each lidar of a robot whose walls disagree with those of the first lidar.
 
-    ``of_sensors`` are the findings on each of the ``sensors``; a sensor with one of :data:`SPOILED_BY` is left out.
-    Raises :class:`WorkCancelledError` where ``may_continue`` returns False.
+    ``of_sensors`` are the findings on each of the ``sensors``; a sensor with one of :data:`SPOILED_BY` is skipped.
+    Raises :class:`WorkCancelledError` if ``may_continue`` returns False.
     """
     usable = [
         sensor
@@ -73,7 +73,7 @@ def check_between(
 def _corrections(
     first: ScanLog, second: ScanLog, trajectory: str | None, may_continue: Callable[[], bool]
 ) -> Float64Array:
-    """Return by how much scans of the second sensor have to be moved (n, 3), in the base's frame, to fit the first."""
+    """Return the motions (n, 3), in the base frame, that align scans of the second sensor with the first sensor."""
     config = MatchConfig(window_m=WINDOW_M, window_rad=WINDOW_RAD)
     bases, others = first.trajectory(trajectory).poses, second.trajectory(trajectory).poses
     own_driven, driven = _ways(bases, first.stamps_ns, second.stamps_ns)
@@ -91,7 +91,7 @@ def _corrections(
             target = Target(scans, np.arange(len(near)), compose(inverse(others[k]), bases[near]))
             match = match_scan(scans_of(second, [k]), 0, target, np.zeros(3), config)
         except (ConfigError, LimitError):
-            continue  # no point of it is near the other sensor's
+            continue  # none of its points is near the other sensor's
         if match.score >= LEAST_SCORE and not match.is_degenerate:
             corrections.append(match.pose)
     return np.reshape(corrections, (-1, 3))
@@ -100,7 +100,7 @@ def _corrections(
 def _ways(
     poses: Float64Array, stamps_ns: NDArray[np.int64], wanted_ns: NDArray[np.int64]
 ) -> tuple[Float64Array, Float64Array]:
-    """Return how far the robot had come at each of its poses (n,), and at other stamps; a radian counts as a metre."""
+    """Return the path length at each pose (n,), and at other stamps; a radian counts as a metre."""
     steps = np.diff(poses, axis=0)
     driven = np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]) + np.abs(wrap_angle(steps[:, 2])))])
     order = np.argsort(stamps_ns, kind="stable")

@@ -1,6 +1,6 @@
-"""The stamps: jumps, duplicates, gaps, dropped scans, and an irregular rate.
+"""Checks of the stamps: jumps, duplicates, gaps, dropped scans, and an irregular rate.
 
-Which intervals are gaps says :mod:`mapper.diagnosis.events.gaps`.
+Gaps are defined in :mod:`mapper.diagnosis.events.gaps`.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from mapper.diagnosis.events.gaps import MOVED_M, driven_ways, least_gap_s, reco
 from mapper.diagnosis.finding import MOST_SCANS, Finding
 from mapper.sensors.scan import ScanLog
 
-JITTER = 0.35  #: half of the intervals differ from the usual one by more than this share of it
-DROPPED_SHARE = 0.005  #: of all intervals: fewer are an accident
-REGULAR = 0.6  #: share of intervals within a quarter of the usual one, from which those of twice it are noticed
-#: The same where the robot does not move, or not enough to say how far it came while a scan was missing.
+JITTER = 0.35  #: half of the intervals differ from the usual one by more than this fraction of it
+DROPPED_SHARE = 0.005  #: of all intervals: fewer are accidental
+REGULAR = 0.6  #: fraction of intervals within a quarter of the usual one above which double intervals are reported
+#: The same if the robot does not move, or too little to tell how far it came while a scan was missing.
 REGULAR_STILL = 0.8
-FEWEST_MOVED = 3  #: intervals in which it moved, to judge by its way
-#: Share of the way that the longer interval would have, at the usual speed, from which it was driven: while scans are
-#: missing a robot drives on, but where scans are recorded each time it has come some way, that way is always the same.
+FEWEST_MOVED = 3  #: intervals with motion needed to judge by the path
+#: Fraction of the path expected at the usual speed in a longer interval, above which the robot kept driving. While
+#: scans are missing a robot drives on; if scans are recorded by distance, the path per interval is constant.
 DROVE_ON = 0.7
-#: Correlation of the speed from one interval to the next, from which stamps are those of measurement: a robot has mass,
-#: and by the stamps of arrival its speed would jump. It is 0.5 to 0.6 of logs that are recorded by distance, and 0 to
-#: 0.1 where stamps are irregular by themselves.
+#: Correlation of the speed between consecutive intervals above which stamps are measurement times: a robot has inertia,
+#: while stamps of arrival make its speed jump. It is 0.5 to 0.6 for logs recorded by distance, and 0 to 0.1 for
+#: irregular stamps.
 SMOOTH = 0.4
 
 
@@ -39,8 +39,8 @@ def _times(n: int) -> str:
 def _are_dropped(missing: NDArray[np.bool_], ratio: NDArray[np.float64], driven: NDArray[np.float64] | None) -> bool:
     """Return whether scans are missing in the intervals ``missing`` (n,), ``ratio`` (n,) times the usual one.
 
-    Where scans are recorded by time, the robot drives on while one is missing; where they are recorded each time it has
-    come some way, a longer interval is a slower robot.
+    If scans are recorded by time, the robot drives on while one is missing; if they are recorded by distance, a longer
+    interval means a slower robot.
     """
     regular = np.abs(ratio - 1.0) < 0.25
     if missing.mean() <= DROPPED_SHARE or regular.mean() <= REGULAR:
@@ -53,7 +53,7 @@ def _are_dropped(missing: NDArray[np.bool_], ratio: NDArray[np.float64], driven:
 
 
 def _speeds_are_smooth(steps: NDArray[np.float64], driven: NDArray[np.float64] | None) -> bool:
-    """Return whether the robot's speed, by these stamps, goes on from one interval to the next."""
+    """Return whether the robot's speed, computed with these stamps, is correlated between consecutive intervals."""
     if driven is None:
         return False
     moves = (steps > 0.0) & (driven > MOVED_M)
@@ -67,7 +67,7 @@ def _speeds_are_smooth(steps: NDArray[np.float64], driven: NDArray[np.float64] |
 
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Look at the whole log's stamps, beside the robot's way; none in a log without times."""
+    """Check the whole log's stamps, using the robot's path; no findings for a log without times."""
     steps = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     if not steps.any():
         return []
@@ -115,7 +115,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
                 _places(gap),
             )
         )
-    # A scan that is missing leaves an interval of two, three, ... usual ones, while the others are regular.
+    # A missing scan leaves an interval of two, three, ... usual ones, while the others are regular.
     ratio = steps / usual
     missing = ~gap & (ratio > 1.5) & (np.abs(ratio - np.round(ratio)) < 0.25)
     if _are_dropped(missing, ratio, driven):

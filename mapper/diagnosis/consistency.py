@@ -1,14 +1,14 @@
-"""Consistency of the readings of a log with each other.
+"""Consistency of the readings of a log.
 
-Every check that asks "would the map be better if …" asks this: of the cells in which beams ended, how often did a beam
-end there, of all that reached the cell? Where poses, mount and times are right, walls are hit again and again and
+Every check of the form "would the map be better if …" uses this measure: for the cells in which beams ended, how often
+did a beam end there, of all that reached the cell? If poses, mount and times are right, walls are hit repeatedly and
 hardly ever passed; every error smears them over cells that other beams passed.
 
-Evidence for double walls is the share of readings that end where readings of another part of the log passed: a beam
-that ends in a cell is evidence for an object; a beam that passes through it is evidence for free space. Where the poses
-are right, two parts of a log contradict each other only by what moved and by noise, and that share is the same for
-parts recorded a moment apart and for parts recorded minutes apart. Where the poses drift it grows with the time between
-them. So the second share is compared with the first, from the same log.
+Evidence for double walls is the fraction of readings that end where readings of another part of the log passed: a beam
+that ends in a cell is evidence for an object, and a beam that passes through it is evidence for free space. If the
+poses are right, two parts of a log contradict each other only because of moving objects and noise, and that fraction is
+the same for parts recorded a moment apart and for parts recorded minutes apart. If the poses drift, it grows with the
+time between them. So the second fraction is compared with the first, from the same log.
 """
 
 from __future__ import annotations
@@ -31,50 +31,50 @@ from mapper.sensors.joint_log import with_trajectories
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog, Trajectory
 
-RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast and robust to the noise of a reading
-LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
-PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: offsets of the grids over which a mean is taken
-MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
-OF_THE_MOUNT = ("mount_x", "mount_y", "mount_yaw", "mount_upside_down")  #: parameters that correct it
-PARTS = 24  #: of the whole log
-FAR = 3  #: parts: from here on two parts are far apart in time
-WINDOW = 16  #: scans in which drift does not show; its two halves are the parts that are near in time
+RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast and robust to range noise
+LARGEST_SIDE = 1500  #: cells: a larger area is examined with coarser ones
+PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: in cells: offsets of the grids over which the mean is taken
+MOST_READINGS = 60_000  #: maximum number of readings examined; longer logs are thinned evenly
+OF_THE_MOUNT = ("mount_x", "mount_y", "mount_yaw", "mount_upside_down")  #: parameters that correct the mount
+PARTS = 24  #: parts of the whole log
+FAR = 3  #: parts: minimum distance at which two parts are far apart in time
+WINDOW = 16  #: scans within which drift is negligible; its two halves are the parts near in time
 TOLERANCE = 2  #: cells: a beam that passes nearer to an endpoint does not contradict it
 LEAST_PASSES = 2  #: beams through a cell that make it free
-RANGE_MAX = 10.0  #: metres: farther away a heading that is wrong by 1° exceeds the tolerance
-LEAST_EVIDENCE = 1000.0  #: endpoints that fall into cells of a part far in time
-WITHIN = 0.9  #: share of the endpoints that lie within :meth:`Contradiction.offset` of a wall
+RANGE_MAX = 10.0  #: metres: beyond it a heading error of 1° exceeds the tolerance
+LEAST_EVIDENCE = 1000.0  #: endpoints in cells of a part far apart in time
+WITHIN = 0.9  #: fraction of the endpoints within :meth:`Contradiction.offset` of a wall
 _DISK = np.hypot(*np.mgrid[-TOLERANCE : TOLERANCE + 1, -TOLERANCE : TOLERANCE + 1]) <= TOLERANCE + 0.01
 
 
-@dataclass(frozen=True)  # without slots: what is derived once is kept
+@dataclass(frozen=True)  # without slots: cached properties need a __dict__
 class Examined:
-    """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers.
+    """A log thinned for examination, with one of its trajectories; ``scans`` are its scan indices.
 
-    ``may_continue`` is called before each map that is made of it: False ends the examination. ``compared`` is called
-    with what the drift check measured, whether it finds drift or not.
+    ``may_continue`` is called before each map made of it; False cancels the examination. ``compared`` is called with
+    the measurements of the drift check, whether it finds drift or not.
     """
 
     log: ScanLog
     trajectory: str
     scans: NDArray[np.int64]
     config: MappingConfig
-    time_offset: float = 0.0  #: seconds, by which the stamps were shifted to find the poses
+    time_offset: float = 0.0  #: seconds added to the stamps to look up the poses
     may_continue: Callable[[], bool] = lambda: True
     compared: Callable[[Contradiction], None] = lambda _: None
 
     @cached_property
     def agreement(self) -> float:
-        """:func:`consistency` as the log states everything: what every check compares with, computed once."""
+        """:func:`consistency` with the log's own values, the reference of every check, computed once."""
         return consistency(self)
 
     def check_cancelled(self) -> None:
-        """Raise :class:`WorkCancelledError` where ``may_continue`` returns False."""
+        """Raise :class:`WorkCancelledError` if ``may_continue`` returns False."""
         if not self.may_continue():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
 
     def shifted(self, x: float, y: float) -> Examined:
-        """Return the same scans in a map that is moved by ``x`` and ``y`` metres."""
+        """Return the same scans in a map shifted by ``x`` and ``y`` metres."""
         trajectory = self.log.trajectory()
         by = np.array([x, y, 0.0])
         timed = None if trajectory.timed is None else replace(trajectory.timed, poses=trajectory.timed.poses + by)
@@ -82,16 +82,16 @@ class Examined:
         return replace(self, log=with_trajectories(self.log, {self.trajectory: moved}))
 
     def part(self, which: NDArray[np.int64]) -> Examined:
-        """Return the scans of these indices (n,) of what is looked at."""
+        """Return the scans with these indices (n,) of those examined."""
         return replace(self, log=self.log.take(which), scans=self.scans[which])
 
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
-        """Return the same scans at other poses of the base (n, 3)."""
+        """Return the same scans with other poses of the base (n, 3)."""
         return replace(self, log=with_trajectories(self.log, {self.trajectory: Trajectory(poses)}))
 
 
 def examined(log: ScanLog, trajectory: str | None = None, most: int = MOST_READINGS) -> Examined:
-    """Return what is looked at of a log: at most ``most`` readings, whole scans, evenly spread."""
+    """Return the part of a log to examine: whole, evenly spaced scans with at most ``most`` readings."""
     name = trajectory or log.default_trajectory
     used = max(1, min(log.n_scans, most // max(1, log.n_beams)))
     scans = np.unique(np.linspace(0, log.n_scans - 1, used).astype(np.int64))
@@ -103,10 +103,7 @@ def examined(log: ScanLog, trajectory: str | None = None, most: int = MOST_READI
 
 
 def examined_as_mapped(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[ScanLog, Examined]:
-    """Return the log at the middle of its sweeps, and what is looked at of it with the mount and range of ``config``.
-
-    Raises :class:`ConfigError` for a trajectory that the log lacks.
-    """
+    """Return the log at the middle of its sweeps, and its examined part with the mount and range of ``config``."""
     whole = at_middle_of_sweep(log, trajectory, config.time_offset)
     seen = examined(whole, trajectory)
     values: dict[str, object] = {name: getattr(config, name) for name in OF_THE_MOUNT}
@@ -115,13 +112,13 @@ def examined_as_mapped(log: ScanLog, trajectory: str | None, config: MappingConf
 
 
 def unthinned(log: ScanLog, seen: Examined) -> Examined:
-    """Return all scans of ``log`` with the trajectory and the configuration of ``seen``."""
+    """Return all scans of ``log`` with the trajectory and configuration of ``seen``."""
     whole = with_trajectories(log, {seen.trajectory: log.trajectory(seen.trajectory)})
     return replace(seen, log=whole, scans=np.arange(log.n_scans))
 
 
 def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid:
-    """Return the grid of hits and visits of what was examined. Raises :class:`WorkCancelledError`."""
+    """Return the grid of hits and visits of the examined scans. Raises :class:`WorkCancelledError`."""
     seen.check_cancelled()
     config = config or seen.config
     grid = OccupancyGrid(geometry_for(seen.log, config))
@@ -130,10 +127,10 @@ def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid
 
 
 def consistency(seen: Examined, **parameters: object) -> float:
-    """Return the share of beams that ended in a cell, of all that reached it: 0 … 1, averaged over all endpoints.
+    """Return the fraction of beams that ended in a cell, of all that reached it, averaged over all endpoints.
 
-    ``parameters`` replace values of the table, as the mount. The least noise splits a wall on a border between cells,
-    so the mean is taken over grids with different offsets.
+    ``parameters`` replace values of the table, such as the mount. Slight noise splits a wall on a cell border between
+    two cells, so the mean is taken over grids with different offsets.
     """
     config = seen.config.with_values(parameters)
     return float(
@@ -146,11 +143,11 @@ def consistency(seen: Examined, **parameters: object) -> float:
 def _agreement(grid: OccupancyGrid) -> float:
     if grid.cell_statistics is None:
         return 0.0
-    hit = grid.cell_statistics[0] > 0.0  # few of the cells: the rest of the grid is not looked at again
+    hit = grid.cell_statistics[0] > 0.0  # few of the cells, so the rest of the grid is not read again
     hits, misses = grid.cell_statistics[:, hit].astype(np.float64)
     if not len(hits):
         return 0.0
-    # An endpoint alone says nothing of agreement, so each is judged by the others in its cell.
+    # A single endpoint does not show agreement, so each is judged by the others in its cell.
     others = hits - 1.0
     share = np.divide(others, others + misses, out=np.zeros_like(hits), where=others + misses > 0)
     return float((hits * share).sum() / hits.sum())
@@ -158,7 +155,7 @@ def _agreement(grid: OccupancyGrid) -> float:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Flat cell numbers of one part: with endpoints, how many, near an endpoint, and free."""
+    """Flat cell indices of one part: with endpoints, their number, near an endpoint, and free."""
 
     ends: NDArray[np.int64]
     weights: NDArray[np.float64]
@@ -168,10 +165,10 @@ class _Part:
 
 @dataclass(frozen=True, slots=True)
 class Contradiction:
-    """Shares of endpoints, 0 … 1, that are in free space of another part of the log.
+    """Fractions of endpoints, 0 to 1, in free space of another part of the log.
 
-    ``near`` is the share between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
-    the number of endpoints that ``far`` is made of. ``parts`` are the PARTS parts, on a grid of ``geometry``.
+    ``near`` is the fraction between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
+    the number of endpoints used for ``far``. ``parts`` are the PARTS parts, on a grid of ``geometry``.
     """
 
     near: float
@@ -182,19 +179,19 @@ class Contradiction:
 
     @property
     def excess(self) -> float:
-        """Share contradicted far apart in time, of what is not contradicted a moment apart; 0 without evidence."""
+        """Fraction contradicted far apart in time, among those not contradicted a moment apart; 0 without evidence."""
         if self.evidence < LEAST_EVIDENCE:
             return 0.0
         return max(0.0, (self.far - self.near) / (1.0 - self.near)) if self.near < 1.0 else 0.0
 
     def offset(self) -> float | None:
-        """Return within how many metres of a wall of another part, far in time, :data:`WITHIN` of the endpoints lie.
+        """Return the distance, metres, from walls of other parts, far in time, within which :data:`WITHIN` of endpoints
+        lie.
 
-        Counted are the endpoints in ``far``: those that the other part confirms and those that it contradicts. The
-        distance is from the centre of the endpoint's cell to that of the nearest cell in which the other part has an
-        endpoint. With right poses it is one or two cells; where walls are double it is about the distance between the
-        two copies, and at most about half the width of a room, because then another wall is the nearest. None without
-        evidence.
+        The endpoints are those counted in ``far``: confirmed or contradicted by the other part. The distance is
+        measured from the centre of the endpoint's cell to that of the nearest cell with an endpoint of the other part.
+        With correct poses it is one or two cells. With double walls it is about the distance between the two copies,
+        and at most about half the width of a room, because then another wall is nearest. None without evidence.
         """
         if self.evidence < LEAST_EVIDENCE:
             return None
@@ -220,10 +217,10 @@ class Contradiction:
 
 
 def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
-    """Return how far parts of one log contradict each other with one of its trajectories.
+    """Return how much parts of one log contradict each other with one of its trajectories.
 
-    ``thinned`` holds scans from all over the log, which are compared far apart in time; ``whole`` holds all scans, of
-    which short windows are compared. The mount and the largest range are those of their configurations. Raises
+    ``thinned`` holds scans from the whole log, which are compared far apart in time; ``whole`` holds all scans, of
+    which short windows are compared. The mount and the maximum range are those of their configurations. Raises
     :class:`WorkCancelledError`.
     """
     whole, thinned = (
@@ -242,7 +239,7 @@ def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
 
 
 def cut(seen: Examined, start: int, stop: int) -> Examined:
-    """Return scans ``start`` up to ``stop`` alone."""
+    """Return the scans [``start``, ``stop``) only."""
     part = slice(start, stop)
     return replace(seen, log=seen.log.take(part), scans=seen.scans[part])
 
@@ -256,7 +253,7 @@ def _share(counts: NDArray[np.float64]) -> float:
 
 
 def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], GridGeometry]:
-    """Return the scans in ``n_parts`` parts of equal length, and the grid that they share."""
+    """Return the scans in ``n_parts`` parts of equal length, and their common grid."""
     seen.check_cancelled()
     geometry = geometry_for(seen.log, seen.config)
     edges = np.linspace(0, seen.log.n_scans, n_parts + 1).astype(int)

@@ -1,4 +1,4 @@
-"""What is wrong with a log and what happened while it was recorded: findings and events together."""
+"""Findings on a log and events of its recording, combined."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.scan import ScanLog
 
-EXAMINED = 0.6  #: share of the work that the findings are
+EXAMINED = 0.6  #: fraction of the work for the findings
 DRIFT, DELAY = "walls.drift", "timing.delay"
-MOST_NAMED = 3  #: events that a finding names
+MOST_NAMED = 3  #: events that a finding mentions
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """The findings on a log with one of its trajectories, causes first, and the events of its recording in turn."""
+    """The findings on a log with one of its trajectories, causes first, and the events of its recording in time
+    order.
+    """
 
     findings: tuple[Finding, ...]
     events: tuple[Event, ...]
@@ -35,7 +37,8 @@ def diagnose(
 ) -> Diagnosis:
     """Return :func:`examine` of a log, and its events (:func:`mapper.diagnosis.events.find_events`).
 
-    Where the wheels missed a motion, drift of their poses is its consequence and names it. Raises as these do.
+    If the wheels missed a motion, drift of their poses is a consequence, and its finding mentions it. Raises the errors
+    of both.
     """
 
     def part(begin: float, end: float) -> Callable[[float], None] | None:
@@ -43,7 +46,7 @@ def diagnose(
 
     findings = examine(log, trajectory, part(0.0, EXAMINED), may_continue, time_offset)
     events = find_events(_remedied(log, findings), may_continue, part(EXAMINED, 1.0))
-    # Where clocks differ, wheels seem to miss each turn, and where the mount changes, each change.
+    # With different clocks wheels seem to miss each turn, and with a changing mount each change.
     if any(finding.check in (DELAY, CHANGING) for finding in findings):
         events = [event for event in events if event.kind not in DISPLACED]
     along = trajectory or log.default_trajectory
@@ -54,15 +57,16 @@ def diagnose(
 
 
 def events_of(log: ScanLog, trajectory: str | None = None) -> tuple[Event, ...]:
-    """Return the events of :func:`diagnose`; none of a log that is too short to judge."""
+    """Return the events of :func:`diagnose`; none for a log that is too short to examine."""
     is_long = any(sensor.n_scans >= LEAST_SCANS for sensor, _ in by_sensor(log))
     return diagnose(log, trajectory).events if is_long else ()
 
 
 def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
-    """Return the log as findings correct its mount, its clocks and its longest range, so that no event is their effect.
+    """Return the log with mount, clocks and maximum range corrected as in the findings, so that they cause no events.
 
-    By a false mount the robot moves where it turns, and what is no return is a wall that moves with it.
+    With a wrong mount the robot seems to move where it turns, and a no return written as a range is a wall that moves
+    with it.
     """
     if len(by_sensor(log)) > 1:
         return log
@@ -83,7 +87,7 @@ def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
 
 
 def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
-    """Return a finding of drift with the events that displaced the robot, its cause; others as they are."""
+    """Add the events that displaced the robot, as the cause, to a drift finding; return others unchanged."""
     moved = [event for event in events if event.kind in DISPLACED]
     if finding.check != DRIFT or not moved:
         return finding

@@ -1,4 +1,4 @@
-"""Check one trajectory for drift and its causes; commands that make a map report the first of them with it."""
+"""Check of one trajectory for drift and its causes; mapping commands report the first of them."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from mapper.sensors.scan import ScanLog
 
 
 def drift_finding(log: ScanLog, trajectory: str | None, config: MappingConfig) -> Finding | None:
-    """Return the drift finding of ``trajectory`` (None: the log's default), or None where there is none.
+    """Return the drift finding of ``trajectory`` (None: the log's default), or None if there is none.
 
-    ``config`` gives the correction of the mount, the time offset and the largest range, metres. At most
-    :data:`mapper.diagnosis.consistency.MOST_READINGS` readings are looked at, however long the log is. Raises
+    ``config`` has the correction of the mount, the time offset and the maximum range, metres. At most
+    :data:`mapper.diagnosis.consistency.MOST_READINGS` readings are examined, regardless of the log's length. Raises
     :class:`ConfigError` for a trajectory that the log lacks.
     """
     whole, seen = examined_as_mapped(log, trajectory, config)
@@ -31,10 +31,10 @@ def drift_finding(log: ScanLog, trajectory: str | None, config: MappingConfig) -
 
 
 def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> Finding | None:
-    """Return what makes the map of a log with ``config`` bad, as far as it is known cheaply: its first cause, or drift.
+    """Return the first cause, or drift, that degrades the map of a log with ``config``, as far as it is cheap to find.
 
-    What is neither drift nor a wrong sweep is looked for only where walls are double, the mount is not known or beams
-    are deskewed; then a few more maps of some of the readings are made. Raises as :func:`drift_finding`.
+    Causes other than drift and a wrong sweep are only searched if walls are double, the mount is unknown or beams are
+    deskewed; then a few more maps of some of the readings are made. Raises the errors of :func:`drift_finding`.
     """
     if log.n_scans < LEAST_SCANS:
         return None
@@ -46,15 +46,15 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
     drift = drift_finding(log, trajectory, config)
     if not is_alone:
         return drift
-    # A wrong sweep or clock that was found when the log was read is mapped rightly.
+    # A wrong sweep or clock found when the log was read is mapped correctly.
     corrected = each_part(as_mapped(log, config), lambda part: replace(part, wrong_sweep="", wrong_clock=""))
     if config.deskew == "off":
         corrected = each_part(corrected, lambda part: replace(part, time_increment=0.0))
     if drift is None and not log.trajectory(trajectory).is_placeholder:
-        # Drift is looked for without the motion within a scan, so a wrong sweep is none.
+        # The drift check ignores the motion within a scan, so a wrong sweep is not drift.
         still = check_still(*examined_as_mapped(log, trajectory, config))
-        # A mount that is far off draws all walls so wide that scans a moment apart contradict each other as well. So
-        # does a sweep that is stamped at its end.
+        # A mount with a large error widens all walls so much that scans a moment apart also contradict each other. The
+        # same holds for a sweep that is stamped at its end.
         names = {sweep.CHECK} | ({"mount.offset"} if log.mount_assumed else set())
         names |= {"timing.delay"} if corrected.can_deskew(trajectory) else set()
         causes = _sure(still or causes_of_drift(corrected, trajectory, frozenset(names)))
@@ -66,5 +66,5 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
 
 
 def _sure(findings: Iterable[Finding]) -> list[Finding]:
-    """Return the findings that are more than possible: a map is reported with one as a fact."""
+    """Return the findings that are more than possible, which are reported with a map as facts."""
     return [finding for finding in findings if not finding.possible]

@@ -1,4 +1,4 @@
-"""All checks, one after another."""
+"""All checks, in order."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 
-FEWER_READINGS = 20_000  #: that are looked at for :func:`causes_of_drift`
-#: Findings that draw walls double, and drift itself.
+FEWER_READINGS = 20_000  #: readings examined by :func:`causes_of_drift`
+#: Findings that cause double walls, and drift itself.
 DOUBLING = frozenset(
     {sparse.CHECK, sweep.CHECK, "mount.turned", "timing.delay", "mount.offset", "walls.drift", mounting.CHANGING}
 )
-LEAST_SCANS = 10  #: below this there is nothing to compare
+LEAST_SCANS = 10  #: minimum for a comparison
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One check: ``names`` are those of its findings; it is left out where one of ``spoiled_by`` was found.
+    """One check: ``names`` are those of its findings; it is skipped if one of ``spoiled_by`` was found.
 
-    Of :data:`REMEDIED` findings the parameters that help are applied before the checks that follow, so that what they
-    cause is not found again under another name.
+    For :data:`REMEDIED` findings the remedial parameters are applied before the following checks, so that their effects
+    are not reported again under another name.
     """
 
     look: Callable[[ScanLog, Examined], list[Finding]]
@@ -41,9 +41,9 @@ REMEDIED = frozenset({"readings.max_range", sweep.CHECK, "mount.offset"})
 
 
 def _delay_or_offset(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Return whether the poses are late or the mount is off: to a robot that drives straight on, both are alike.
+    """Decide between a pose delay and a mount offset, which are equivalent for a robot that drives straight.
 
-    Where both make the map sharper, it is the one that does so by more.
+    If both improve the sharpness of the map, the larger improvement decides.
     """
     findings = [*timing.check(log, seen), *mounting.check_offset(log, seen)]
     return sorted(findings, key=lambda finding: finding.sure, reverse=True)[:1]
@@ -53,7 +53,7 @@ _FEW = frozenset({readings.FEW, sparse.CHECK})
 _CHANGING = _FEW | {mounting.CHANGING}
 _TURNED = _CHANGING | {"mount.turned"}
 
-#: In the order in which a person should look: what spoils the others comes first.
+#: In the order in which a person should look: checks that affect others come first.
 CHECKS: tuple[Check, ...] = (
     Check(clock.check, ("clock.backwards", "clock.doubled", "clock.gap", "clock.dropped", "clock.jitter")),
     Check(lambda log, seen: time_unit.check(log, seen.trajectory), ("clock.unit",)),
@@ -80,15 +80,15 @@ def examine(
     time_offset: float = 0.0,
     compared: Callable[[Contradiction], None] = lambda _: None,
 ) -> list[Finding]:
-    """Return what all checks find in a log with one of its trajectories, the surest first within a check.
+    """Return the findings of all checks on a log with one of its trajectories, the most certain first within a check.
 
-    Each scan is judged from one pose, in the middle of its sweep where it could be deskewed; ``time_offset`` seconds
-    are added to the stamps to find it, as by the mapping parameter of that name. ``progress`` is called with the share
-    that is done; ``may_continue`` is called all the while; ``compared`` is called with what the drift check measured,
-    if it was made. Of several sensors each is examined by itself, and its findings name it
-    (:func:`mapper.diagnosis.several.of_sensors`), and its lidars are compared with the first of them
-    (:func:`mapper.diagnosis.between.check_between`); one with too few scans to judge has the finding ``readings.few``.
-    Raises :class:`ConfigError` for a log too short to judge and for a trajectory that it lacks, and
+    Each scan has one pose, in the middle of its sweep if it could be deskewed; ``time_offset`` seconds are added to the
+    stamps to look it up, like the mapping parameter of that name. ``progress`` is called with the fraction done;
+    ``may_continue`` is called repeatedly; ``compared`` is called with the measurements of the drift check, if it was
+    made. If there are several sensors, each is examined separately and its findings name it
+    (:func:`mapper.diagnosis.several.of_sensors`), and the lidars are compared with the first one
+    (:func:`mapper.diagnosis.between.check_between`); one with too few scans has the finding ``readings.few``. Raises
+    :class:`ConfigError` for a log too short to examine and for a trajectory that it lacks, and
     :class:`WorkCancelledError` soon after ``may_continue`` returned False.
     """
     sensors = by_sensor(log)
@@ -111,9 +111,9 @@ def examine(
 
 
 def causes_of_drift(log: ScanLog, trajectory: str | None, names: frozenset[str] = DOUBLING) -> list[Finding]:
-    """Return what a log of one sensor has that draws walls double, and drift, if that remains with the remedies.
+    """Return the findings of a one-sensor log that cause double walls, and drift, if it remains with the remedies.
 
-    Only the checks of ``names`` are made, and only some of the readings are looked at, so that it costs little.
+    Only the checks of ``names`` are made, on a part of the readings, to keep the cost low.
     """
     checks = [check for check in CHECKS if set(check.names) & names]
     return _examine_one(log, trajectory, None, lambda: True, 0.0, lambda _: None, checks, FEWER_READINGS)
@@ -133,7 +133,7 @@ def _examine_one(
     checks: Sequence[Check] = CHECKS,
     most: int = MOST_READINGS,
 ) -> list[Finding]:
-    """Return :func:`examine` of a log of one sensor by some of the checks, which look at ``most`` readings."""
+    """Return :func:`examine` for a one-sensor log with some of the checks, which examine ``most`` readings."""
     if log.n_scans < LEAST_SCANS:
         raise _too_short(log)
     stated, log = log, at_middle_of_sweep(log, trajectory, time_offset)
@@ -161,7 +161,7 @@ def _examine_one(
 
 
 def remedy_of(finding: Finding, seen: Examined) -> dict[str, object]:
-    """Return the parameters of a finding as the examination uses them: no range beyond that which it looks at."""
+    """Return the parameters of a finding as the examination uses them, with the range limited to that examined."""
     values = dict(finding.parameters or {})
     if "range_max" in values:
         values["range_max"] = min(values["range_max"], seen.config.range_max)

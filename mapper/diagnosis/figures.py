@@ -1,4 +1,4 @@
-"""Figures that say whether a map can be trusted, of one log along one of its trajectories."""
+"""Figures for the quality of a map of one log along one of its trajectories."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from mapper.sensors.scan import ScanLog
 
 @dataclass(frozen=True, slots=True)
 class MapFigures:
-    """How far parts of a log that were recorded at different times agree on where walls are.
+    """Agreement on wall positions between parts of a log recorded at different times.
 
-    ``drift_m`` is :meth:`mapper.diagnosis.consistency.Contradiction.offset`, metres; ``contradicted`` the share,
-    0 … 1, of the readings that end where beams of another time passed freely. Both are None where too few readings
-    can be compared, and for sonars; of several sensors they are the greatest. ``sharpness`` is
-    :func:`mapper.grid.compare.wall_contrast` of the map, 0 … 1.
+    ``drift_m`` is :meth:`mapper.diagnosis.consistency.Contradiction.offset`, metres; ``contradicted`` is the fraction,
+    0 to 1, of readings that end where beams of another time passed freely. Both are None if too few readings can be
+    compared, and for sonars; for several sensors they are the maxima. ``sharpness`` is
+    :func:`mapper.grid.compare.wall_contrast` of the map, 0 to 1.
     """
 
     drift_m: float | None
@@ -31,10 +31,10 @@ class MapFigures:
 def map_figures(
     log: ScanLog, trajectory: str | None, config: MappingConfig, grid: OccupancyGrid | None = None
 ) -> MapFigures:
-    """Return the figures of the map of a log along a trajectory with ``config``, its mount and its time offset too.
+    """Return the figures of the map of a log along a trajectory with ``config``, including its mount and time offset.
 
-    ``grid`` is that map where it has been made. Raises :class:`ConfigError` for a trajectory that the log lacks and
-    :class:`LimitError` for a map that is too large.
+    ``grid`` is that map if it has already been made. Raises :class:`ConfigError` for a trajectory that the log lacks
+    and :class:`LimitError` for a map that is too large.
     """
     drifts, shares = [], []
     for sensor, _ in by_sensor(log):

@@ -1,4 +1,4 @@
-"""The mount of the sensor: turned, mirrored, or offset from what the log states."""
+"""Mount of the sensor: rotated, mirrored, or offset from what the log states."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
 
-BETTER = 1.3  #: times as consistent, and by
-BY = 0.08  #: at least: only then a sensor is said to be turned
-FINER = 1.12  #: for an offset: what drifting poses gain by one is less
+BETTER = 1.3  #: times as consistent, and
+BY = 0.08  #: the minimum difference, for a sensor to be reported as turned
+FINER = 1.12  #: for an offset; improvements for drifting poses are smaller
 FINER_BY = 0.04
-FARTHER = 6  #: steps of one size on the way to a mount that is not stated
-DIRECTIONS = np.radians(np.arange(-165.0, 180.1, 15.0)).clip(max=3.1415).tolist()  #: of a mount that is not stated
+FARTHER = 6  #: maximum number of steps of one size for a mount that is not stated
+DIRECTIONS = np.radians(np.arange(-165.0, 180.1, 15.0)).clip(max=3.1415).tolist()  #: for a mount that is not stated
 CHANGING = "mount.changing"
-MOST_MOUNTS = 8  #: that a log states in turns
-MOUNT_DECIMALS = 3  #: of metres and radians, by which two mounts differ
-LEAST_TURN = 0.2  #: radians, of the robot, that tell where on it the sensor is
+MOST_MOUNTS = 8  #: maximum number of alternating mounts in a log
+MOUNT_DECIMALS = 3  #: decimals, in metres and radians, at which two mounts differ
+LEAST_TURN = 0.2  #: radians of robot rotation needed to observe the sensor's position on it
 
 _TURNS = (
     ("turned by 180°", math.pi),
@@ -31,11 +31,13 @@ _TURNS = (
 
 
 def check_changing(_: ScanLog, seen: Examined) -> list[Finding]:
-    """Try each of the few mounts that the log states in turns at all scans, as where two programs publish one frame."""
+    """Try each of the few mounts that the log alternates between for all scans, as if two programs publish one
+    frame.
+    """
     if seen.log.mounts is None:
         return []
     stated = np.unique(seen.log.mounts.round(MOUNT_DECIMALS), axis=0)
-    if not 2 <= len(stated) <= MOST_MOUNTS:  # more are those of a sensor that moves on the robot
+    if not 2 <= len(stated) <= MOST_MOUNTS:  # more than that belong to a sensor that moves on the robot
         return []
     now = seen.agreement
     fixed = (replace(seen.log, mounts=None, mount=(x, y, yaw)) for x, y, yaw in stated.tolist())
@@ -58,7 +60,7 @@ def check_changing(_: ScanLog, seen: Examined) -> list[Finding]:
 def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:
     """Try the sensor upside down, backwards and sideways.
 
-    One whose mount the log does not state may look any way: :func:`check_offset` finds which, if it is not upside down.
+    A sensor without a stated mount may face any direction, which :func:`check_offset` finds unless it is upside down.
     """
     now = seen.agreement
     tried: list[tuple[float, str, dict[str, object]]] = []
@@ -88,9 +90,9 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:
 def _sharpest(
     seen: Examined, names: tuple[str, ...], begin: float, yaw: float, tries: int = 1
 ) -> tuple[float, dict[str, float]]:
-    """Return the greatest consistency that steps which get smaller lead to from a mount that is turned, and the mount.
+    """Return the maximum consistency reached by shrinking steps from a turned mount, and the mount.
 
-    ``begin`` is its consistency, and ``tries`` how often steps of one size are made at most.
+    ``begin`` is its consistency, and ``tries`` the maximum number of steps of one size.
     """
     best, at = begin, {"mount_x": 0.0, "mount_y": 0.0, "mount_yaw": yaw}
     steps = {"mount_x": 0.2, "mount_y": 0.2, "mount_yaw": math.radians(6.0)}
@@ -112,10 +114,10 @@ def _sharpest(
 
 
 def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Move and turn the mount a little, one axis after another, as long as the map gets sharper.
+    """Shift and rotate the mount in small steps, axis by axis, as long as the map gets sharper.
 
-    A mount that the log does not state is looked for from several directions, and farther away. Where the robot hardly
-    turns, a mount that is moved moves the whole map: then it is only turned.
+    A mount that is not stated is searched for from several directions, over a larger range. If the robot hardly turns,
+    shifting the mount shifts the whole map, so it is only rotated.
     """
     has_turned = np.ptp(np.unwrap(seen.log.trajectory().poses[:, 2])) >= LEAST_TURN
     names = ("mount_yaw", "mount_x", "mount_y") if has_turned else ("mount_yaw",)

@@ -1,4 +1,4 @@
-"""The readings alone: no return that is written as a range, and beams that hit the robot itself."""
+"""Checks of the readings alone: a no return written as a range, and beams that hit the robot itself."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from mapper.sensors.joint_log import is_measured, part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
 FEW = "readings.few"
-LEAST_MEASURED = 1000  #: ranges: of fewer, chance decides which of two maps is sharper
-LEAST_SHARE = 0.003  #: of all measured readings: an exact value that comes so often may be a code
-BELOW = 20  #: values next below the greatest one, in order
-OFTENER = 5.0  #: times as often as any of these comes a code: a real wall is measured at many distances
-AT_LIMIT = 0.001  #: share of the stated range_max, from which a value is at it
+LEAST_MEASURED = 1000  #: ranges: with fewer, chance decides which of two maps is sharper
+LEAST_SHARE = 0.003  #: of all measured readings: an exact value this frequent may be a code
+BELOW = 20  #: number of values just below the maximum
+OFTENER = 5.0  #: factor by which a code is more frequent than any of these; a real wall is measured at many distances
+AT_LIMIT = 0.001  #: fraction of the stated range_max within which a value is at the limit
 SELF_RANGE = 1.5  #: metres: parts of the robot are nearer
 SELF_SPREAD = 0.02  #: metres
 SELF_SHARE = 0.7  #: of a beam's readings
-PASSED = 0.6  #: share of the beams that reach a place of the robot's own parts, which pass it
-MOVED = 2.0  #: metres that the robot has to have moved to tell itself from a wall
+PASSED = 0.6  #: fraction of the beams reaching a part of the robot that pass it
+MOVED = 2.0  #: metres of robot motion needed to distinguish the robot from a wall
 
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Look at what was measured."""
+    """Check the measured ranges."""
     return [*_few(log), *max_range_finding(log), *_of_itself(seen)]
 
 
@@ -50,27 +50,27 @@ def _few(log: ScanLog) -> list[Finding]:
 
 
 def few_scans(n_scans: int) -> Finding:
-    """Return the finding on a sensor that has too few scans to be examined."""
+    """Return the finding on a sensor with too few scans to be examined."""
     return Finding(FEW, f"Only {n_scans} scans: too few to judge.", "Record for longer.", 1.0)
 
 
 def max_range_finding(log: ScanLog) -> list[Finding]:
-    """Look for readings that say "no return" but are written as the greatest range; one finding, or none."""
+    """Return the finding, if any, of readings that mean "no return" but are written as the maximum range."""
     measured = is_measured(log)
     if not measured.any():
         return []
     values = log.ranges[measured]
     greatest = float(values.max())
     exactly = values == np.float32(greatest)
-    # Of truly measured ranges hardly two are equal to the last bit, and the greatest one is the rarest.
+    # Measured ranges are hardly ever equal to the last bit, and the maximum is the rarest.
     count = int(exactly.sum())
     if count < max(20, LEAST_SHARE * len(values)):
         return []
-    # Rounded ranges come again and again, as do those of a robot that stands: then those below do as well.
+    # Rounded ranges repeat, as do those of a robot at rest, but then the values just below repeat as well.
     _, below = np.unique(values[~exactly & (values > 0.5 * greatest)], return_counts=True)
     if len(below) and count < OFTENER * int(below[-BELOW:].max()):
         return []
-    # A log that states what did not return in another way has no code for it, unless the value is the sensor's limit.
+    # A log that marks no returns in another way has no code for them, unless the value is the sensor's limit.
     limits = np.array([part.range_max for part in sensors_of(log)])[part_of_scan(log)]
     stated = int(np.count_nonzero(np.isinf(log.ranges) | (log.ranges > limits[:, np.newaxis])))
     if stated >= count and greatest < (1.0 - AT_LIMIT) * log.range_max:
@@ -120,12 +120,12 @@ def _of_itself(seen: Examined) -> list[Finding]:
 
 
 def _passed(seen: Examined, bearings: NDArray[np.float64], ranges: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how often beams passed the cells where each of some beams ends, of all that reached them: 0 … 1, (n,).
+    """Return the fraction of beams that passed the cells where some beams end, of all that reached them: 0 to 1, (n,).
 
-    ``ranges`` (n_scans, n) are those of the beams at the ``bearings`` (n,); it is the median over the scans. The robot
-    drives through the places where its own parts are seen. A wall along which it drives at one distance is seen by
-    other beams too, and not passed. Of a cell and those beside it that counts which is passed least, for grazing beams
-    pass cells of a wall.
+    ``ranges`` (n_scans, n) are those of the beams at the ``bearings`` (n,); the result is the median over the scans.
+    The robot drives through the positions where its own parts are seen. A wall along which it drives at a constant
+    distance is also seen by other beams, and not passed. Of a cell and its neighbours the one passed least is used,
+    because grazing beams pass cells of a wall.
     """
     grid = counts(seen)
     if grid.cell_statistics is None:
@@ -149,7 +149,8 @@ def _passed(seen: Examined, bearings: NDArray[np.float64], ranges: NDArray[np.fl
 def _by_bearing(log: ScanLog) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the measured ranges (n_scans, n_beams), NaN for all others, and the bearings of the beams, radians.
 
-    Of scans with different beams the ranges are at the nearest of the beams that most scans have, at most one step off.
+    For scans with different beams, the ranges are assigned to the nearest of the most common beams, at most one step
+    away.
     """
     ranges = np.where(is_measured(log), log.ranges.astype(np.float64), np.nan)
     parts, owner = sensors_of(log), part_of_scan(log)

@@ -1,4 +1,4 @@
-"""The findings on the sensors of one log, as findings on the log of all of them."""
+"""Conversion of findings on the sensors of one log to findings on the whole log."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from mapper.core.array_types import Int64Array
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
 
-#: What to do with a value that only some of the sensors need.
+#: Advice for a value that only some of the sensors need.
 BY_ITSELF = "The parameters of a map are those of all its sensors: map this one by itself with such a value."
 
 
 def of_sensors(sensors: Sequence[tuple[ScanLog, Int64Array]], of_sensors: Sequence[Sequence[Finding]]) -> list[Finding]:
-    """Return what was found of each of a log's sensors as findings on the log.
+    """Return the findings on each of a log's sensors as findings on the log.
 
-    ``sensors`` are those of :func:`mapper.sensors.joint_log.by_sensor`, in the order of ``of_sensors``.
-
-    Each names its sensor, and its scans are those of ``log``. The parameters of a map are those of all its sensors, so
-    a finding keeps its own only where every sensor has a finding of the same check with parameters.
+    ``sensors`` are those of :func:`mapper.sensors.joint_log.by_sensor`, in the order of ``of_sensors``. Each finding
+    names its sensor, and its scans are indices into ``log``. The mapping parameters apply to all sensors, so a finding
+    keeps its own only if every sensor has a finding of the same check with parameters.
     """
     common = set.intersection(
         *({finding.check for finding in findings if finding.parameters} for findings in of_sensors)
@@ -36,5 +35,5 @@ def of_sensors(sensors: Sequence[tuple[ScanLog, Int64Array]], of_sensors: Sequen
 
 
 def share_of(progress: Callable[[float], None] | None, number: int, of: int) -> Callable[[float], None] | None:
-    """Return what reports the progress of part ``number`` of ``of`` equal ones to ``progress``."""
+    """Return a function that reports the progress of part ``number`` of ``of`` equal ones to ``progress``."""
     return None if progress is None else lambda share: progress((number + share) / of)

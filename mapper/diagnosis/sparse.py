@@ -1,4 +1,4 @@
-"""Poses that are too far apart in time for the turns of the robot."""
+"""Check for poses that are too far apart in time for the robot's turns."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from mapper.sensors.sparse_poses import ADVICE, sparse_turns
 
 CHECK = "timing.sparse"
 BETTER, BY = 1.06, 0.015  #: as for a delay (:mod:`mapper.diagnosis.timing`)
-LEAST_OTHERS = 0.1  #: of the scans, by which the map without those in turns is judged
+LEAST_OTHERS = 0.1  #: minimum fraction of scans outside turns, by which the map without turns is judged
 
 
 def check(stated: ScanLog, seen: Examined) -> list[Finding]:
-    """Compare the map of all scans with that of those which are not in turns between sparse poses.
+    """Compare the map of all scans with that of the scans outside turns between sparse poses.
 
-    ``stated`` is the log with the stamps of its poses. The scans are the cause of double walls where the beams of the
-    others agree clearly better.
+    ``stated`` is the log with the stamps of its poses. The scans in turns are the cause of double walls if the beams of
+    the others agree clearly better.
     """
     found = sparse_turns(stated, seen.trajectory)
     if found is None:

@@ -1,4 +1,4 @@
-"""The motion within a scan: whether the time between beams that a log states is that at which they were measured."""
+"""Check of the motion within a scan: whether the log's time between beams is correct."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from mapper.sensors.timed_poses import TimedPoses
 
 CHECK = "timing.increment"
 BETTER, BY = 1.06, 0.015  #: as for a delay (:mod:`mapper.diagnosis.timing`)
-DELAYS_S = (-0.3, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.3)  #: with which deskewed beams may agree as well
+DELAYS_S = (-0.3, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.3)  #: delays with which deskewed beams may agree as well
 
 
 def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Compare the map of deskewed beams with that of beams that are all measured at the scan's stamp.
+    """Compare the map of deskewed beams with that of beams all measured at the scan's stamp.
 
-    What was found wrong when the log was read is the finding (:func:`mapper.io.logs.understanding.understood`). Else
-    ``log`` states its time increment. Where the poses around the sweeps are not dense nothing is deskewed, and there is
-    no finding. Where clocks differ, beams that are deskewed rightly may agree less than others by chance, so they have
-    to agree less with every delay.
+    An error found when the log was read is the finding (:func:`mapper.io.logs.understanding.understood`). Otherwise
+    ``log`` states its time increment. If the poses around the sweeps are not dense, nothing is deskewed, and there is
+    no finding. With different clocks, correctly deskewed beams may agree less than others by chance, so they have to
+    agree less for every delay.
     """
     stated_error = next((part.wrong_sweep for part in sensors_of(log) if part.wrong_sweep), "")
     if stated_error:

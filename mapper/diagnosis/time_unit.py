@@ -1,4 +1,4 @@
-"""The unit of the stamps: times in a smaller unit that were read as seconds."""
+"""Check of the unit of the stamps: times in a smaller unit read as seconds."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from mapper.core.time_units import UNITS
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
 
-RARE_S = 10.0  #: a robot that maps takes scans more often
-DRIVEN_M = 1.0  #: least extent of the path; poses of a standing robot differ by noise
-MOVED_M = 1e-3  #: least motion between two scans
-SPEEDS = (0.01, 3.0)  #: m/s, of robots; less than a factor of 1000 apart, so that at most one unit fits
+RARE_S = 10.0  #: maximum scan interval of a mapping robot
+DRIVEN_M = 1.0  #: minimum extent of the path; poses of a robot at rest differ by noise
+MOVED_M = 1e-3  #: minimum motion between two scans
+SPEEDS = (0.01, 3.0)  #: m/s, of robots; the ratio is below 1000, so that at most one unit fits
 
 
 def check(log: ScanLog, trajectory: str) -> list[Finding]:
-    """Compare the interval of the scans and the speed of the robot with what is usual.
+    """Compare the scan interval and the robot's speed with the usual values.
 
-    A finding needs a median interval of more than 10 s, and a median speed of the moving robot that is below 0.01 m/s
-    if the stamps are in seconds, and plausible if they are in milli-, micro- or nanoseconds.
+    A finding requires a median interval of more than 10 s, and a median speed of the moving robot that is below 0.01
+    m/s for stamps in seconds, and plausible for milli-, micro- or nanoseconds.
     """
     along = log.trajectory(trajectory)
     passed = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9

@@ -1,4 +1,4 @@
-"""Scans and poses that are out of step by a constant delay."""
+"""Check for a constant delay between scans and poses."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from mapper.mapping.parameters import BY_NAME
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog
 
-CLOCK = "timing.clock"  #: poses by another clock, which is put right when the log is read
+CLOCK = "timing.clock"  #: poses by another clock, corrected when the log is read
 DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried with both signs
-FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps away from the best of them, one after another
-LEAST_SPANS = 8  #: times as long as a delay that is tried is the log at least
+FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps around the best of them, in order
+LEAST_SPANS = 8  #: minimum length of the log in multiples of a tested delay
 LEAST_SCANS = 10
-OFF_BORDER = 0.13  #: of a cell: by it all is moved, so that walls at round coordinates are on no border of the grids
+OFF_BORDER = 0.13  #: in cells: everything is shifted by it, so that walls at round coordinates are not on a cell border
 BETTER = 1.06
 BY = 0.015
 
 
 def check_clock(log: ScanLog) -> list[Finding]:
-    """Return what was found of a source of poses when the log was read (:mod:`mapper.io.logs.pose_clocks`)."""
+    """Return the finding on a source of poses from reading the log (:mod:`mapper.io.logs.pose_clocks`)."""
     stated_error = next((part.wrong_clock for part in sensors_of(log) if part.wrong_clock), "")
     if not stated_error:
         return []
@@ -35,7 +35,7 @@ def check_clock(log: ScanLog) -> list[Finding]:
 
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Take each scan's pose from a little earlier or later on the trajectory."""
+    """Try poses from slightly earlier or later on the trajectory for all scans."""
     stamps = log.stamps_ns.astype(np.float64) * 1e-9
     if np.ptp(stamps) == 0.0 or log.trajectory(seen.trajectory).from_scans:
         return []
@@ -45,7 +45,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     at = stamps[seen.scans]
 
     delays = [delay for delay in DELAYS_S if LEAST_SPANS * delay <= times[-1] - times[0]]
-    # Poses at all times that are tried are known: beyond the first and the last, scans would be put upon each other.
+    # The poses at all tested times must be known; beyond the ends, scans would be placed on top of each other.
     margin = max(delays, default=0.0) + sum(FINER_S)
     known = np.flatnonzero((at >= times[0] + margin) & (at <= times[-1] - margin))
     if not delays or len(known) < LEAST_SCANS:
@@ -57,8 +57,8 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
 
     def delayed(delay: float) -> float:
         moved = [np.interp(at + delay, times, column) for column in columns]
-        # What all poses move by, as along a straight line, moves the map as a whole: it shows no delay, only how walls
-        # lie on the grid.
+        # A motion common to all poses, as along a straight line, shifts the whole map. It shows no delay, only the
+        # alignment of walls with the grid.
         for axis in (0, 1):
             moved[axis] += middle[axis] - moved[axis].mean() + OFF_BORDER * seen.config.resolution
         moved[2] = wrap_angle(moved[2])

@@ -1,4 +1,4 @@
-"""Check a log against given limits, for automatic tests of a robot's recordings."""
+"""Check of a log against limits, for automatic tests of a robot's recordings."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from mapper.sensors.scan import ScanLog
 FINDINGS = (*(name for check in CHECKS for name in check.names), between.CHECK)
 ALL = "all"
 DRIFT = "walls.drift"
-DRIFT_PLACES, SHARPNESS_PLACES = 2, 3  #: with which sentences state them, and are compared with their limits
-ROUNDING = 1e-9  #: a limit that is reached is kept
+DRIFT_PLACES, SHARPNESS_PLACES = 2, 3  #: decimals in messages, and in the comparison with the limits
+ROUNDING = 1e-9  #: a value equal to its limit passes
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
     """Limits on a log; those that are None or empty are not checked.
 
-    ``max_drift`` is in metres, of :meth:`mapper.diagnosis.consistency.Contradiction.offset`; ``min_sharpness`` is
-    0 … 1, of :func:`mapper.grid.compare.wall_contrast`; ``no_findings`` are names of findings that there may not be.
-    Findings that are only possible count if ``possible``; so do those that kept another check from being made.
+    ``max_drift`` is in metres, for :meth:`mapper.diagnosis.consistency.Contradiction.offset`; ``min_sharpness`` is 0 to
+    1, for :func:`mapper.grid.compare.wall_contrast`; ``no_findings`` are names of findings that must not occur.
+    Findings that are only possible count if ``possible``; so do those that prevented another check.
     """
 
     max_drift: float | None = None
@@ -45,11 +45,11 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """One limit that is not kept.
+    """One exceeded limit.
 
-    ``check`` is ``drift``, ``sharpness`` or the name of a finding. ``measured`` is in the unit of the limit: metres,
-    0 … 1, or how sure the finding is, 0 … 1; None where it could not be measured. ``sentence`` says both. ``sensor`` is
-    the topic of the sensor that does not keep it, where several were judged, else empty.
+    ``check`` is ``drift``, ``sharpness`` or the name of a finding. ``measured`` is in the unit of the limit: metres, 0
+    to 1, or the confidence of the finding, 0 to 1; None if it could not be measured. ``sentence`` states both.
+    ``sensor`` is the topic of the sensor concerned if several were judged, else empty.
     """
 
     check: str
@@ -63,9 +63,8 @@ class Reason:
 class Verdict:
     """Result of the check of a log: ``reasons`` why it fails, empty if it passes.
 
-    ``drift`` (metres, of several sensors the largest) and ``sharpness`` (0 … 1) are None where they were not asked for
-    or could not be measured.
-    ``findings`` are all that the doctor has, None where neither drift nor findings were asked for.
+    ``drift`` (metres, the maximum over several sensors) and ``sharpness`` (0 to 1) are None if not requested or not
+    measurable. ``findings`` are all findings of the doctor, None if neither drift nor findings were requested.
     """
 
     reasons: tuple[Reason, ...]
@@ -75,7 +74,7 @@ class Verdict:
 
     @property
     def passed(self) -> bool:
-        """Whether all limits are kept."""
+        """Whether all limits are met."""
         return not self.reasons
 
     def public(self) -> dict[str, Any]:
@@ -94,9 +93,9 @@ def _rounded(value: float | None) -> float | None:
 
 
 def named_findings(names: Iterable[str]) -> frozenset[str]:
-    """Return the names of findings that ``names`` stand for: each a full name, its part before the dot, or ``all``.
+    """Return the names of findings selected by ``names``: each a full name, its part before the dot, or ``all``.
 
-    Raises :class:`ConfigError`, with what there is, for any other name.
+    Raises :class:`ConfigError`, listing the valid names, for any other name.
     """
     named: set[str] = set()
     for name in names:
@@ -116,14 +115,13 @@ def judge(
     config: MappingConfig | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Verdict:
-    """Return whether ``log`` with one of its trajectories (None: its first) keeps ``limits``.
+    """Check whether ``log`` with one of its trajectories (None: its first) meets ``limits``.
 
-    ``config`` gives a correction of the mount and of the clock; the rest of it is not used, because sharpness is judged
-    in the map of the sensor's default parameters. Of several sensors each is judged by itself, and the
-    sharpness is that of their common map. What cannot be judged does not pass. ``progress`` is called with the
-    share that is done. Raises :class:`ConfigError` for a trajectory that the log lacks, for a correction of the mount
-    of several sensors and, where drift or findings are asked for, for a log too short to judge; :class:`LimitError`
-    for a map that is too large.
+    ``config`` has a correction of the mount and of the clock; the rest of it is not used, because sharpness is judged
+    in the map with the sensor's default parameters. For several sensors each is judged separately, and the sharpness is
+    that of their common map. A value that cannot be measured fails. ``progress`` is called with the fraction done.
+    Raises :class:`ConfigError` for a trajectory that the log lacks, for a mount correction of several sensors and, if
+    drift or findings are requested, for a log too short to examine; :class:`LimitError` for a map that is too large.
     """
     if len(by_sensor(log)) > 1:
         return _judge_sensors(log, limits, trajectory, config, progress)
@@ -188,7 +186,7 @@ def _judge_sensors(
 def _sharpness(
     log: ScanLog, limits: Limits, trajectory: str | None, time_offset: float
 ) -> tuple[float | None, list[Reason]]:
-    """Return the sharpness of a log's map, None where it is not asked for, and why it fails."""
+    """Return the sharpness of a log's map, None if not requested, and the reason for failure."""
     if limits.min_sharpness is None:
         return None, []
     sharpness = sharpness_of(log, trajectory, time_offset)
@@ -199,7 +197,7 @@ def _sharpness(
 
 
 def map_of(log: ScanLog, trajectory: str | None, config: MappingConfig | None = None) -> OccupancyGrid:
-    """Return the map of a log with ``config``; None stands for the default parameters of its sensor."""
+    """Return the map of a log with ``config``; None means the default parameters of its sensor."""
     if config is None:
         config = MappingConfig().with_values(recorded_defaults(log.beam_width, {}))
     grid = grid_for(log, config, trajectory)
@@ -208,7 +206,7 @@ def map_of(log: ScanLog, trajectory: str | None, config: MappingConfig | None = 
 
 
 def sharpness_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> float:
-    """Return the sharpness, 0 … 1, of the walls in the map of a log with the default parameters of its sensor."""
+    """Return the sharpness, 0 to 1, of the walls in the map of a log with its sensor's default parameters."""
     config = MappingConfig().with_values(recorded_defaults(log.beam_width, {"time_offset": time_offset}))
     return wall_contrast(map_of(log, trajectory, config))
 
@@ -237,7 +235,7 @@ def _why_unmeasured(log: ScanLog, trajectory: str | None, findings: Iterable[Fin
 
 
 def _spoilers(name: str, findings: Iterable[Finding]) -> list[str]:
-    """Return the findings for which the check of ``name`` was left out."""
+    """Return the findings because of which the check of ``name`` was skipped."""
     spoiled_by = next((check.spoiled_by for check in CHECKS if name in check.names), frozenset[str]())
     return [finding.check for finding in findings if finding.check in spoiled_by]
 
@@ -258,7 +256,7 @@ def _finding_reasons(findings: tuple[Finding, ...], limits: Limits) -> list[Reas
     for name in FINDINGS:
         sure = [finding for finding in findings if finding.stated_sure >= least]
         spoilers = _spoilers(name, sure) if name in limits.no_findings else []
-        # What is a reason already needs no second one for what it hides.
+        # A finding that is already a reason is not listed again for the check it prevented.
         if spoilers and not failed.intersection(spoilers):
             reasons.append(Reason(name, None, least, f"It could not be examined: {' and '.join(spoilers)} was found."))
     return reasons

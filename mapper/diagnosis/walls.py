@@ -1,4 +1,4 @@
-"""Walls that are double, because poses drift or are missing, and walls that come and go, because things move."""
+"""Double walls, because of drifting or missing poses, and walls that come and go, because objects move."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
-STRETCH = 16  #: scans that motion hardly shows in
-MOVED = 0.88  #: the whole is less consistent than this, as a share of its stretches: the robot moved
-EVEN_ODDS, SLOPE = 0.08, 0.05  #: of the logistic curve from the excess of contradictions to how sure drift is
-LEAST_SURE = 0.35  #: from here on drift is reported
-STRETCHES = 8  #: of the whole log, for what comes and goes
-SOLID, PASSED = 0.6, 0.05  #: shares of hits of a cell that was there, and of one that was gone
+STRETCH = 16  #: scans within which motion is negligible
+MOVED = 0.88  #: maximum ratio of the whole's consistency to that of its stretches if the robot moved
+EVEN_ODDS, SLOPE = 0.08, 0.05  #: of the logistic function from the excess of contradictions to the confidence in drift
+LEAST_SURE = 0.35  #: minimum confidence for drift to be reported
+STRETCHES = 8  #: stretches of the whole log for moving objects
+SOLID, PASSED = 0.6, 0.05  #: hit ratio of a cell that was occupied, and of one that was vacated
 LEAST_VISITS = 5
-LEAST_CELLS = 12  #: of one thing that moved
-#: Cells around what is solid in a stretch in which nothing that came or went is looked for: poses that drift a little,
-#: too little for a finding, draw a wall beside where it was drawn before. A table's middle is farther from anything.
+LEAST_CELLS = 12  #: of one moved object
+#: Cells around solid cells of a stretch in which moving objects are not searched: poses that drift slightly, too little
+#: for a finding, draw a wall next to its earlier position. The middle of a table is farther from solid cells.
 BESIDE = 4
-LEAST_CONSISTENT = 0.35  #: below this nothing can be said of what moves
+LEAST_CONSISTENT = 0.35  #: below this nothing can be said about moving objects
 
-#: What corrects poses, in advice
+#: remedies for poses, for the advice
 CORRECTED_BY = "Heal on the page of the log, or gridbloom slam on the command line"
 
 
 def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Where all poses are the same: compare how consistent the whole is with how consistent its short stretches are."""
+    """If all poses are equal, compare the consistency of the whole log with that of its short stretches."""
     if np.ptp(seen.log.trajectory().poses, axis=0).any():
         return []
     n = log.n_scans
@@ -58,11 +58,11 @@ def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
 
 
 def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Compare how often parts of the log that are far apart in time contradict each other with parts a moment apart."""
-    # Beams at angles that are a guess contradict each other along true poses too.
+    """Compare the contradictions between parts of the log far apart in time with those between parts a moment apart."""
+    # Beams with assumed angles contradict each other even along true poses.
     if log.angles_assumed:
         return []
-    # A sonar's echo arises anywhere on its arc, so its thin beam says little of where things are.
+    # A sonar echo comes from anywhere on its arc, so its thin beam does not localise objects.
     if log.beam_width > 0.0 or not np.ptp(seen.log.trajectory().poses, axis=0).any():
         return []
     shares = contradiction(unthinned(log, seen), seen)
@@ -84,15 +84,15 @@ def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
 
 
 def drift_confidence(excess: float) -> float:
-    """Return how sure it is, 0 … 0.99, that poses with this :attr:`Contradiction.excess` draw walls double.
+    """Return the confidence, 0 to 0.99, that poses with this :attr:`Contradiction.excess` cause double walls.
 
-    docs/doctor.md says on which logs the two constants were chosen.
+    docs/doctor.md lists the logs on which the two constants were tuned.
     """
     return min(0.99, 1.0 / (1.0 + math.exp((EVEN_ODDS - excess) / SLOPE)))
 
 
 def _worst_scans(seen: Examined) -> tuple[int, ...]:
-    """Return the scans whose beams end where most others passed, in their order."""
+    """Return the scans with beams ending where most others passed, in order."""
     grid = counts(seen)
     if grid.cell_statistics is None:
         return ()
@@ -122,7 +122,7 @@ def _endpoints(seen: Examined, geometry: GridGeometry) -> list[NDArray[np.int64]
 
 
 def check_moving(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
-    """Look for things that were solid in one stretch of the log and passed through in another."""
+    """Search for objects that were solid in one stretch of the log and passed through in another."""
     if seen.agreement < LEAST_CONSISTENT:
         return []
     geometry = geometry_for(seen.log, seen.config)
@@ -135,11 +135,11 @@ def check_moving(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
             continue
         hits, misses = grid.cell_statistics
         visits = hits + misses
-        # A reading's noise puts some hits into the next cell: what was passed must have been so with room around it.
+        # Range noise moves some hits to the next cell, so a vacated cell must have free space around it.
         around = ndimage.maximum_filter(hits, 3)
         solid[k] = (visits >= LEAST_VISITS) & (hits > SOLID * visits)
         passed[k] = (visits >= LEAST_VISITS) & (around < PASSED * visits)
-    for k in range(STRETCHES):  # where a wall is beside it, what was passed may be that wall at a pose that drifted
+    for k in range(STRETCHES):  # near a wall, vacated cells may be that wall at a drifted pose
         passed[k] &= ~ndimage.binary_dilation(solid[k], structure=np.ones((3, 3)), iterations=BESIDE)
     labels, n = ndimage.label(solid.any(axis=0) & passed.any(axis=0), structure=np.ones((3, 3)))
     sizes = ndimage.sum_labels(labels > 0, labels, np.arange(1, n + 1)) if n else np.zeros(0)

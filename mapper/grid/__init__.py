@@ -1,4 +1,4 @@
-"""Occupancy grids: their geometry, the log-odds of each cell, and what is computed from whole grids."""
+"""Occupancy grids: geometry, log-odds of each cell, and computations on whole grids."""
 
 from mapper.grid.cell_box import CellBox
 from mapper.grid.occupancy_grid import (

@@ -15,7 +15,7 @@ class CellBox:
     col1: int
 
     def __or__(self, other: CellBox) -> CellBox:
-        """Return the smallest box that holds both."""
+        """Return the smallest box that contains both."""
         return CellBox(
             min(self.row0, other.row0),
             max(self.row1, other.row1),
@@ -24,7 +24,7 @@ class CellBox:
         )
 
     def padded(self, by: int, rows: int, cols: int) -> CellBox:
-        """Return the box with ``by`` more cells on each side, as far as a grid of ``rows`` × ``cols`` cells reaches."""
+        """Return the box enlarged by ``by`` cells on each side, clipped to a grid of ``rows`` × ``cols`` cells."""
         return CellBox(
             max(self.row0 - by, 0), min(self.row1 + by, rows), max(self.col0 - by, 0), min(self.col1 + by, cols)
         )

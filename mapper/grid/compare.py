@@ -1,4 +1,4 @@
-"""Two maps of one place, cell by cell: what changed from the one to the other."""
+"""Cell-by-cell comparison of two maps of one place."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ STATES = ("free", "occupied", "unknown")  #: in the order of :attr:`Comparison.s
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Differences of ``b`` from ``a``, over the cells of the smallest lattice that holds both.
+    """Differences of ``b`` from ``a`` over the cells of the smallest lattice that contains both.
 
     ``states`` (3, 3) int64 counts the cells by (state in a, state in b), in the order of :data:`STATES`; its sum is the
-    number of cells, and those that neither map observed are (unknown, unknown). ``only`` counts the cells that were
-    observed in a only and in b only, ``both`` those observed in both. ``entropy_bits`` sums each map's entropy over the
-    cells that either has observed; ``contrast`` is each map's :func:`wall_contrast`. ``mean_difference`` and
-    ``max_difference`` are those of |ℓ_b − ℓ_a| over the cells observed in both, 0 where there are none;
-    ``max_at_xy`` is the centre of the cell of the greatest one, in map metres.
+    number of cells, and cells that neither map observed are (unknown, unknown). ``only`` counts the cells observed only
+    in a and only in b, ``both`` those observed in both. ``entropy_bits`` is each map's entropy summed over the cells
+    that either has observed; ``contrast`` is each map's :func:`wall_contrast`. ``mean_difference`` and
+    ``max_difference`` are those of |ℓ_b − ℓ_a| over the cells observed in both, 0 where there are none; ``max_at_xy``
+    is the centre of the cell with the maximum, in map metres.
     """
 
     geometry: GridGeometry
@@ -38,17 +38,17 @@ class Comparison:
 
     @property
     def cells(self) -> int:
-        """Cells of the lattice that holds both."""
+        """Number of cells of the lattice that contains both."""
         return int(self.states.sum())
 
     @property
     def same(self) -> int:
-        """Cells that either map has observed and that are in the same state in both."""
+        """Number of cells that either map has observed and whose state is the same in both."""
         return int(np.trace(self.states)) - (self.cells - self.both - sum(self.only))
 
     @property
     def changed(self) -> dict[tuple[str, str], int]:
-        """Cells that went from one state to another, by (state in a, state in b), where there are any."""
+        """Number of cells that changed state, by (state in a, state in b), without zeros."""
         return {
             (STATES[i], STATES[j]): int(self.states[i, j])
             for i in range(3)
@@ -59,7 +59,7 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """ℓ_b − ℓ_a of each cell: ``log_odds`` (rows, cols) float32; and which map has observed it, bool each."""
+    """ℓ_b − ℓ_a of each cell, ``log_odds`` (rows, cols) float32, and whether each map has observed it, bool."""
 
     geometry: GridGeometry
     log_odds: NDArray[np.float32]
@@ -68,10 +68,10 @@ class Difference:
 
 
 def compare(a: OccupancyGrid, b: OccupancyGrid) -> Comparison:
-    """Compare two maps, in numbers.
+    """Compare two maps and return the figures.
 
-    Raises :class:`mapper.core.errors.ConfigError` where their cells do not coincide, and
-    :class:`mapper.core.errors.LimitError` where the lattice that holds both is too large.
+    Raises :class:`mapper.core.errors.ConfigError` if their cells do not coincide, and
+    :class:`mapper.core.errors.LimitError` if the lattice that contains both is too large.
     """
     geometry, ((rows_a, cols_a), (rows_b, cols_b)) = on_one_lattice(a, b)
     place = np.array([*geometry.shape, rows_a.start, cols_a.start, rows_b.start, cols_b.start])
@@ -96,9 +96,9 @@ def compare(a: OccupancyGrid, b: OccupancyGrid) -> Comparison:
 
 
 def difference(a: OccupancyGrid, b: OccupancyGrid, rows: slice | None = None) -> Difference:
-    """Return ℓ_b − ℓ_a of every cell, or of ``rows.start`` … ``rows.stop`` of the lattice that holds both maps.
+    """Return ℓ_b − ℓ_a of every cell, or of the rows ``rows`` of the lattice that contains both maps.
 
-    A cell that a map lacks holds its prior. Raises as :func:`compare`.
+    A cell outside a map has that map's prior. Raises the errors of :func:`compare`.
     """
     geometry, parts = on_one_lattice(a, b)
     band = slice(0, geometry.rows) if rows is None else rows
@@ -107,10 +107,10 @@ def difference(a: OccupancyGrid, b: OccupancyGrid, rows: slice | None = None) ->
 
 
 def wall_contrast(grid: OccupancyGrid) -> float:
-    """Return the contrast of walls, 0 … 1: the mean difference of p across the edges between wall and free space.
+    """Return the contrast of walls, 0 to 1: the mean difference of p across the edges between walls and free space.
 
-    An edge is between two neighbouring cells, both observed, one of which is more likely occupied than not and the
-    other less. A wall that is smeared has more such edges, and smaller steps at them; 0 for a map without any.
+    An edge is between two neighbouring observed cells, one more likely occupied than not and the other less. A smeared
+    wall has more such edges with smaller steps. 0 for a map without edges.
     """
     total = np.zeros(1)
     count = sum_edges(grid.log_odds, grid.observed, total)
@@ -118,7 +118,7 @@ def wall_contrast(grid: OccupancyGrid) -> float:
 
 
 def _placed(grid: OccupancyGrid, geometry: GridGeometry, part: Part, band: slice) -> OccupancyGrid:
-    """Return the rows ``band`` of a lattice of which ``grid`` is a ``part``."""
+    """Return the rows ``band`` of a lattice in which ``grid`` occupies ``part``."""
     out = OccupancyGrid(geometry.band(band), grid.log_odds_prior)
     rows, cols = part
     first, stop = max(rows.start, band.start), min(rows.stop, band.stop)

@@ -1,4 +1,4 @@
-"""Two maps of one place as one: log-odds added, the prior counted once."""
+"""Merging of two maps of one place: log-odds are added and the prior is counted once."""
 
 from __future__ import annotations
 
@@ -9,22 +9,21 @@ from mapper.core.errors import ConfigError
 from mapper.core.se2 import wrap_angle
 from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
 
-LATTICE_TOLERANCE = 1e-3  #: of a cell: how far two lattices may lie apart and still be the same
+LATTICE_TOLERANCE = 1e-3  #: in cells: largest offset at which two lattices count as the same
 
 
 def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
-    """Return the map that holds the evidence of both: ℓ = ℓ_a + ℓ_b − ℓ₀ where both have cells.
+    """Return the map with the evidence of both: ℓ = ℓ_a + ℓ_b − ℓ₀ where both have cells.
 
-    Evidence from different scans is taken to be independent given the map, so its log-odds add (Thrun, Burgard & Fox,
-    Probabilistic Robotics, sections 4.2 and 9.2); each of the two started from ℓ₀, so one ℓ₀ is taken away. Partial
-    maps of a log, merged, equal the map made in one go when the clamp is off, up to the rounding of float32 additions
-    in another order. With the clamp they may not: a cell that one part held at its limit has lost the evidence
-    beyond it, and the sum may be outside the limits, which no single map exceeds.
+    Evidence from different scans is assumed to be independent given the map, so its log-odds add (Thrun, Burgard & Fox,
+    Probabilistic Robotics, sections 4.2 and 9.2). Both maps started from ℓ₀, so one ℓ₀ is subtracted. With the clamp
+    off, merged partial maps of a log equal the map built at once, up to the rounding of float32 additions in another
+    order. With the clamp they may differ: a cell at its limit in one part has lost the evidence beyond it, and the sum
+    may exceed the limits, which no single map does.
 
-    The result covers both grids; its lattice is that of ``a``; a prior map that only one of them started from is taken
-    to hold for both. Raises :class:`ConfigError` where resolution, yaw or prior differ, the cells of one do not
-    coincide with the other's, or a grid is no sum of log-odds (it has cell statistics), and
-    :class:`mapper.core.errors.LimitError` where the two together are too large.
+    The result covers both grids on the lattice of ``a``. A prior map of only one grid is assumed to apply to both.
+    Raises :class:`ConfigError` if resolution, yaw or prior differ, the cells do not coincide, or a grid is not a sum of
+    log-odds (it has cell statistics), and :class:`mapper.core.errors.LimitError` if the result is too large.
     """
     if a.log_odds_prior != b.log_odds_prior:
         raise ConfigError("merge.prior", f"The priors differ: {a.log_odds_prior:g} and {b.log_odds_prior:g}.")
@@ -43,10 +42,10 @@ Part = tuple[slice, slice]
 
 
 def on_one_lattice(a: OccupancyGrid, b: OccupancyGrid) -> tuple[GridGeometry, tuple[Part, Part]]:
-    """Return the geometry that holds both grids, on the lattice of ``a``, and which part of it each one covers.
+    """Return the geometry that contains both grids, on the lattice of ``a``, and the part of it that each covers.
 
-    Raises :class:`ConfigError` where the cells of one do not coincide with the other's, and
-    :class:`mapper.core.errors.LimitError` where the two together are too large.
+    Raises :class:`ConfigError` if the cells do not coincide, and :class:`mapper.core.errors.LimitError` if the result
+    is too large.
     """
     row, col = _offset(a.geometry, b.geometry)
     rows, cols = b.geometry.shape
@@ -61,7 +60,7 @@ def on_one_lattice(a: OccupancyGrid, b: OccupancyGrid) -> tuple[GridGeometry, tu
 
 
 def _prior_map(shape: tuple[int, int], parts: list[tuple[OccupancyGrid, Part]]) -> NDArray[np.float32] | None:
-    """Return the prior map that both grids started from, None where neither did."""
+    """Return the prior map that both grids started from, or None if neither has one."""
     if all(grid.prior_map is None for grid, _ in parts):
         return None
     out = np.full(shape, np.nan, dtype=np.float32)

@@ -1,4 +1,4 @@
-"""Metrics of a map: its entropy, how many cells are in each state, and how well its walls agree with others."""
+"""Metrics of a map: entropy, number of cells in each state, and agreement of its walls with others."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def wall_points(grid: OccupancyGrid) -> NDArray[np.float64]:
 
 
 def wall_agreement(measured: ArrayLike, expected: ArrayLike, tolerance: float = TOLERANCE) -> float:
-    """Return the F-score, 0 … 1, of points ``measured`` (n, 2) against ``expected`` (m, 2), metres.
+    """Return the F-score, 0 to 1, of points ``measured`` (n, 2) against ``expected`` (m, 2), metres.
 
-    Precision is the share of measured points that have an expected one within ``tolerance`` metres, recall the share of
-    expected points that have a found one; the score is their harmonic mean, 0 where either is 0. Source: Knapitsch et
-    al., Tanks and Temples (2017), section 5, there for points in 3D. Raises :class:`ConfigError` for a tolerance that
-    is not positive.
+    Precision is the fraction of measured points with an expected point within ``tolerance`` metres, recall the fraction
+    of expected points with a measured one. The score is their harmonic mean, 0 if either is 0. Source: Knapitsch et
+    al., Tanks and Temples (2017), section 5, there for 3D points. Raises :class:`ConfigError` for a tolerance that is
+    not positive.
     """
     from scipy.spatial import cKDTree  # noqa: PLC0415 - SciPy, which few callers need
 
@@ -41,17 +41,17 @@ def wall_agreement(measured: ArrayLike, expected: ArrayLike, tolerance: float = 
     a, b = np.asarray(measured, dtype=np.float64).reshape(-1, 2), np.asarray(expected, dtype=np.float64).reshape(-1, 2)
     if not len(a) or not len(b):
         return 0.0
-    limit = tolerance * (1.0 + 1e-9)  # centres of two lattices that are exactly so far apart
+    limit = tolerance * (1.0 + 1e-9)  # include centres of two lattices at exactly this distance
     precision = float(np.isfinite(cKDTree(b).query(a, distance_upper_bound=limit)[0]).mean())
     recall = float(np.isfinite(cKDTree(a).query(b, distance_upper_bound=limit)[0]).mean())
     return 2.0 * precision * recall / (precision + recall) if precision + recall else 0.0
 
 
 def entropy(log_odds: ArrayLike) -> NDArray[np.float64]:
-    """Return each cell's entropy H(p) = −p log₂ p − (1 − p) log₂ (1 − p), bits, for log-odds of any shape.
+    """Return the entropy H(p) = −p log₂ p − (1 − p) log₂ (1 − p), bits, for log-odds of any shape.
 
-    With q = the less likely state's probability and ℓ its distance from even odds, H = (ln(1 + e^−|ℓ|) + q |ℓ|) / ln 2,
-    which neither overflows nor takes the logarithm of 0. Source: Probabilistic Robotics, section 17.4.
+    With q the probability of the less likely state and ℓ the log-odds, H = (ln(1 + e^−|ℓ|) + q |ℓ|) / ln 2, which
+    neither overflows nor takes the logarithm of 0. Source: Probabilistic Robotics, section 17.4.
     """
     distance = np.abs(np.asarray(log_odds, dtype=np.float64))
     small = np.exp(-distance)
@@ -61,10 +61,10 @@ def entropy(log_odds: ArrayLike) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, slots=True)
 class MapMetrics:
-    """``entropy_bits`` and ``information_gain_bits`` sum over all observed cells.
+    """Figures of a map. ``entropy_bits`` and ``information_gain_bits`` are sums over all observed cells.
 
-    A cell's gain is the entropy of its prior minus its present one, negative where it is less certain than its prior
-    (Probabilistic Robotics, section 17.4). The rest are counts, ``never_observed`` a part of ``unknown``.
+    A cell's gain is the entropy of its prior minus its current entropy, negative if it is less certain than its prior
+    (Probabilistic Robotics, section 17.4). The others are counts; ``never_observed`` is part of ``unknown``.
     """
 
     entropy_bits: float
@@ -78,9 +78,9 @@ class MapMetrics:
 def map_metrics(
     grid: OccupancyGrid, occupied_threshold: float = OCCUPIED_THRESHOLD, free_threshold: float = FREE_THRESHOLD
 ) -> MapMetrics:
-    """Return a grid's figures; the thresholds are those of :meth:`OccupancyGrid.classify`.
+    """Return the metrics of a grid. The thresholds are those of :meth:`OccupancyGrid.classify`.
 
-    One pass over the cells, which takes a small part of the time that mapping them took.
+    They are computed in one pass over the cells, in a small fraction of the time that mapping them took.
     """
     check_thresholds(occupied_threshold, free_threshold)
     thresholds = float(log_odds(free_threshold)), float(log_odds(occupied_threshold))
@@ -104,9 +104,9 @@ def map_metrics(
 def _sums(
     values: NDArray[np.float32], observed: NDArray[np.bool_], prior: float, thresholds: tuple[float, float]
 ) -> tuple[NDArray[np.int64], float]:
-    """Return how many cells are observed, free, occupied (3,), and the sum of the observed ones' entropy in bits.
+    """Return the numbers of observed, free and occupied cells (3,), and the total entropy of observed cells in bits.
 
-    ``values`` (rows, cols) are log-odds, NaN standing for ``prior``.
+    ``values`` (rows, cols) are log-odds, with NaN for ``prior``.
     """
     counts, sums = np.zeros(3, dtype=np.int64), np.zeros(1)
     flat = np.ascontiguousarray(values).reshape(-1), np.ascontiguousarray(observed).reshape(-1).view(np.uint8)

@@ -1,9 +1,9 @@
-"""The occupancy grid: where its cells are in the world, and the log-odds of each.
+"""Occupancy grid: the geometry of its cells and the log-odds of each.
 
-:class:`GridGeometry` is the only code of the project that turns world coordinates into cells, cells into world
-coordinates, and rows into image rows. A cell is ``floor((p − origin) / resolution)`` along the grid's own axes.
-Source: nav_msgs/OccupancyGrid and MapMetaData (row 0 at the smallest y, origin = pose of the lower-left corner of
-cell (0, 0)); Thrun, Burgard & Fox, Probabilistic Robotics, section 9.2.
+:class:`GridGeometry` is the only code of the project that converts between world coordinates and cells, and between
+rows and image rows. A cell is ``floor((p − origin) / resolution)`` along the grid's own axes. Source:
+nav_msgs/OccupancyGrid and MapMetaData (row 0 at the smallest y, origin = pose of the lower-left corner of cell (0, 0));
+Thrun, Burgard & Fox, Probabilistic Robotics, section 9.2.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import transform_points
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 
-TILE: Final = 64  #: cells along the side of a tile: growth keeps tile borders where they are
+TILE: Final = 64  #: cells along the side of a tile; growth keeps tile borders in place
 
-FREE, UNKNOWN, OCCUPIED = 0, -1, 100  #: the three states, as nav_msgs/OccupancyGrid numbers them
+FREE, UNKNOWN, OCCUPIED = 0, -1, 100  #: the three states, numbered as in nav_msgs/OccupancyGrid
 OCCUPIED_THRESHOLD, FREE_THRESHOLD = (
     0.65,
     0.25,
@@ -71,12 +71,12 @@ class GridGeometry:
 
     @property
     def size_text(self) -> str:
-        """Width × height in cells, in the order of a map server and of an image's header, for sentences."""
+        """Width × height in cells, as in map servers and image headers, for messages."""
         return f"{self.cols} × {self.rows}"
 
     @property
     def span_text(self) -> str:
-        """Least and greatest x and y of the cells' centres in the frame of the map, metres, for sentences."""
+        """Minimum and maximum x and y of the cells' centres in the map frame, metres, for messages."""
         corners = self.cell_to_world([[r, c] for r in (0, self.rows - 1) for c in (0, self.cols - 1)])
         low, high = corners.min(axis=0), corners.max(axis=0)
         return f"goes from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g}) m"
@@ -90,10 +90,10 @@ class GridGeometry:
     def covering(
         cls, min_xy: ArrayLike, max_xy: ArrayLike, resolution: float, limits: Limits = DEFAULT_LIMITS
     ) -> GridGeometry:
-        """Return an axis-aligned grid that holds the box ``min_xy`` … ``max_xy`` (2,), metres.
+        """Return an axis-aligned grid that contains the box ``min_xy`` … ``max_xy`` (2,), metres.
 
-        Its origin is a whole multiple of a tile's side and its size whole tiles, so two grids of one resolution
-        have cells that coincide wherever they overlap.
+        Its origin is a multiple of a tile's side and its size is whole tiles, so the cells of two such grids of one
+        resolution coincide wherever they overlap.
         """
         low, high = np.asarray(min_xy, dtype=np.float64), np.asarray(max_xy, dtype=np.float64)
         if low.shape != (2,) or high.shape != (2,) or not (np.isfinite(low).all() and np.isfinite(high).all()):
@@ -116,7 +116,7 @@ class GridGeometry:
         return cls(resolution, rows, cols, (float(first[0] * side), float(first[1] * side), 0.0), limits)
 
     def to_lattice(self, points_xy: ArrayLike) -> NDArray[np.float64]:
-        """Return map points (..., 2) in metres as lattice coordinates (..., 2): (column, row), in cells, not floored.
+        """Convert map points (..., 2) in metres to lattice coordinates (..., 2): (column, row), in cells, not floored.
 
         The centre of cell (row, col) has lattice coordinates (col + 0.5, row + 0.5).
         """
@@ -127,14 +127,14 @@ class GridGeometry:
 
     @property
     def frame(self) -> Frame:
-        """The lattice's place in the map, as :func:`mapper.grid.kernels.lattice.to_lattice` takes it."""
+        """The lattice's pose in the map, in the form used by :func:`mapper.grid.kernels.lattice.to_lattice`."""
         x, y, yaw = self.origin
         return Frame(x, y, *_direction(yaw), self.resolution)
 
     def world_to_cell(self, points_xy: ArrayLike) -> NDArray[np.int64]:
-        """Return the cells (..., 2), (row, col), that hold map points (..., 2); they may lie outside the grid.
+        """Return the cells (..., 2), (row, col), that contain map points (..., 2); they may be outside the grid.
 
-        Raises :class:`ConfigError` where a point is not finite.
+        Raises :class:`ConfigError` if a point is not finite.
         """
         lattice = self.to_lattice(points_xy)
         if not np.isfinite(lattice).all():
@@ -147,12 +147,12 @@ class GridGeometry:
         return transform_points(self.origin, (rc[..., ::-1] + 0.5) * self.resolution)
 
     def contains(self, cells_rc: ArrayLike) -> NDArray[np.bool_]:
-        """Return which of the cells (..., 2), given as (row, col), lie in the grid."""
+        """Return which of the cells (..., 2), given as (row, col), are in the grid."""
         rc = np.asarray(cells_rc)
         return np.asarray((rc[..., 0] >= 0) & (rc[..., 0] < self.rows) & (rc[..., 1] >= 0) & (rc[..., 1] < self.cols))
 
     def band(self, rows: slice) -> GridGeometry:
-        """Return the geometry of the rows ``rows.start`` … ``rows.stop`` alone, over all columns."""
+        """Return the geometry of the rows ``rows`` only, over all columns."""
         corner = self.cell_to_world((rows.start - 0.5, -0.5))
         return replace(self, rows=rows.stop - rows.start, origin=(float(corner[0]), float(corner[1]), self.origin[2]))
 
@@ -162,13 +162,13 @@ class GridGeometry:
         return cells[::-1]
 
     def grown_to_include(self, min_xy: ArrayLike, max_xy: ArrayLike) -> tuple[GridGeometry, int, int]:
-        """Return a geometry that also holds the box, and how many rows and columns were added before cell (0, 0).
+        """Return a geometry that also contains the box, and the number of rows and columns added before cell (0, 0).
 
-        Existing cells keep their place in the world. Growth is by whole tiles, at least a quarter of the present
-        side in each direction that grows, so that a robot that keeps exploring causes few reallocations of the map.
+        Existing cells do not move in the world. Growth is by whole tiles, at least a quarter of the current side in
+        each direction that grows, so that an exploring robot causes few reallocations of the map.
         """
         (x0, y0), (x1, y1) = (np.asarray(corner, dtype=np.float64).tolist() for corner in (min_xy, max_xy))
-        # Numbers, not arrays: a live robot asks for each scan.
+        # Plain numbers, not arrays, because live robots call this for each scan.
         frame = self.frame
         lattice = [to_lattice(x, y, frame) for x in (x0, x1) for y in (y0, y1)]
         if not all(math.isfinite(value) for point in lattice for value in point):
@@ -195,16 +195,15 @@ class GridGeometry:
 
 
 class OccupancyGrid:
-    """Log-odds of "occupied" for each cell, and whether any beam ever touched it.
+    """Log-odds of "occupied" for each cell, and whether any beam has touched it.
 
-    ``log_odds`` (rows, cols) float32 starts at the prior ℓ₀ (Probabilistic Robotics, table 4.2); ``observed``
-    (rows, cols) bool starts false, and distinguishes a cell that evidence brought back to ℓ₀ from one never observed.
-
-    ℓ₀ is the number ``log_odds_prior``, or with ``prior_map`` (rows, cols) float32 the value of each cell in it, NaN
-    where it has none: mapping continues from these values, and the cells of the prior map count as observed.
-    ``cell_statistics`` (2, rows, cols) float32 are kept by models that are no sum of log-odds: evidence for
-    occupied, and evidence for empty. ``log_odds`` is computed from them then; a cell that growth adds starts at
-    ``statistics_prior``. Raises :class:`ConfigError` for a prior that is not finite.
+    ``log_odds`` (rows, cols) float32 starts at the prior ℓ₀ (Probabilistic Robotics, table 4.2). ``observed`` (rows,
+    cols) bool starts false, and distinguishes a cell that evidence returned to ℓ₀ from one never observed. ℓ₀ is the
+    number ``log_odds_prior`` or, with ``prior_map`` (rows, cols) float32, each cell's value in it, NaN where it has
+    none. Mapping continues from these values, and the cells of the prior map count as observed. ``cell_statistics`` (2,
+    rows, cols) float32 is kept for models that are not a sum of log-odds: evidence for occupied and evidence for empty.
+    ``log_odds`` is then computed from it, and cells added by growth start at ``statistics_prior``. Raises
+    :class:`ConfigError` for a prior that is not finite.
     """
 
     __slots__ = (
@@ -246,13 +245,13 @@ class OccupancyGrid:
         )
 
     def _repr_png_(self) -> bytes:
-        """Return the picture that notebooks show, at most 1024 pixels a side."""
+        """Return the PNG that notebooks show, at most 1024 pixels a side."""
         from mapper.grid.preview import preview_png  # noqa: PLC0415 - Pillow is loaded only for pictures
 
         return preview_png(self.log_odds, self.observed)
 
     def prior(self, part: tuple[slice, slice] = np.s_[:, :]) -> NDArray[np.float32]:
-        """Return ℓ₀ of every cell (rows, cols), or of some rows and columns, an array of its own."""
+        """Return ℓ₀ of every cell (rows, cols), or of some rows and columns, as a new array."""
         rows, cols = (len(range(side)[cut]) for side, cut in zip(self.geometry.shape, part, strict=True))
         number = np.full((rows, cols), self.log_odds_prior, dtype=np.float32)
         if self.prior_map is None:
@@ -261,13 +260,13 @@ class OccupancyGrid:
         return np.where(np.isnan(known), number, known)
 
     def as_prior(self, log_odds_prior: float | None = None) -> OccupancyGrid:
-        """Return a grid that starts from this one: its observed cells are the new one's prior map."""
+        """Return a grid that starts from this one: its observed cells become the prior map."""
         known = np.where(self.observed, self.log_odds, np.float32(np.nan))
         number = self.log_odds_prior if log_odds_prior is None else log_odds_prior
         return OccupancyGrid(self.geometry, number, known)
 
     def emptied(self) -> OccupancyGrid:
-        """Return a grid of the same geometry and prior that no scan has touched."""
+        """Return a grid of the same geometry and prior without any scan."""
         return OccupancyGrid(self.geometry, self.log_odds_prior, self.prior_map)
 
     def with_statistic(self, index: int) -> OccupancyGrid:
@@ -281,7 +280,7 @@ class OccupancyGrid:
         return shared
 
     def band(self, rows: slice) -> OccupancyGrid:
-        """Return the rows ``rows.start`` … ``rows.stop`` as a grid that shares their log-odds and what was observed."""
+        """Return the rows ``rows`` as a grid that shares their log-odds and observed flags."""
         shared = object.__new__(OccupancyGrid)
         shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry.band(rows), self.log_odds_prior, None
         shared.log_odds, shared.observed, shared.cell_statistics = self.log_odds[rows], self.observed[rows], None
@@ -294,9 +293,9 @@ class OccupancyGrid:
         return probability(self.log_odds)
 
     def grow_to_include(self, min_xy: ArrayLike, max_xy: ArrayLike) -> bool:
-        """Grow so that the grid contains the box in map metres; return whether the geometry changed.
+        """Grow the grid to contain the box in map metres; return whether the geometry changed.
 
-        Nothing moves in the world: old cells keep their values, new ones hold the prior.
+        Nothing moves in the world: old cells keep their values, new ones have the prior.
         """
         grown, row, col = self.geometry.grown_to_include(min_xy, max_xy)
         if grown is self.geometry:
@@ -323,12 +322,12 @@ class OccupancyGrid:
     ) -> NDArray[np.int8]:
         """Return the three-way state (rows, cols): 100 occupied, 0 free, −1 unknown.
 
-        Occupied where p_occ > ``occupied_threshold``, free where p_occ < ``free_threshold``, unknown between and
-        where nothing was ever observed. Source: map_server's trinary mode.
+        Occupied if p_occ > ``occupied_threshold``, free if p_occ < ``free_threshold``, unknown in between and if never
+        observed. Source: map_server's trinary mode.
         """
         check_thresholds(occupied_threshold, free_threshold)
         state = np.full(self.geometry.shape, UNKNOWN, dtype=np.int8)
-        # Compared in log-odds, where the map is kept: no exponential for every cell.
+        # Compared in log-odds, as stored, which avoids an exponential for every cell.
         state[self.observed & (self.log_odds > log_odds(occupied_threshold))] = OCCUPIED
         state[self.observed & (self.log_odds < log_odds(free_threshold))] = FREE
         return state

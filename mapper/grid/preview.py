@@ -1,4 +1,4 @@
-"""A small picture of a map, as notebooks show it for a grid."""
+"""Small picture of a map, shown by notebooks for a grid."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 from PIL import Image
 
 MOST_PIXELS = 1024  #: along each side
-UNOBSERVED_RGB = (176, 196, 222)  #: pale blue: not a grey, so that it is not read as a probability
-_BAND_CELLS = 1 << 20  # looked at together
+UNOBSERVED_RGB = (176, 196, 222)  #: pale blue instead of grey, so that it is not read as a probability
+_BAND_CELLS = 1 << 20  # cells processed together
 
 
 def preview_png(log_odds: NDArray[np.float32], observed: NDArray[np.bool_]) -> bytes:
-    """Return a PNG of p_occ, top row first: white is free, black occupied, pale blue never observed.
+    """Return a PNG of p_occ, top row first: white is free, black is occupied, pale blue was never observed.
 
     ``log_odds`` and ``observed`` (rows, cols), row 0 at the smallest y. A map of more than :data:`MOST_PIXELS` cells
-    along a side is reduced by a whole factor; a pixel then shows the most occupied of its observed cells.
+    along a side is downsampled by an integer factor; a pixel then shows the most occupied of its observed cells.
     """
     rows, cols = log_odds.shape
     factor = -(-max(rows, cols) // MOST_PIXELS)
@@ -41,9 +41,9 @@ def preview_png(log_odds: NDArray[np.float32], observed: NDArray[np.bool_]) -> b
 
 
 def _block_maximum(cells: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
-    """Return the greatest value of each block of ``factor`` × ``factor`` cells, NaN left out; last ones may be smaller.
+    """Return the maximum of each block of ``factor`` × ``factor`` cells, ignoring NaN; border blocks may be smaller.
 
-    A block of nothing but NaN is NaN.
+    A block of NaN only is NaN.
     """
     rows, cols = cells.shape
     tall = np.fmax.reduceat(cells, np.arange(0, rows, factor), axis=0)

@@ -1,8 +1,8 @@
 """A map as text: three states, or a ramp of characters that grow denser with p_occ.
 
-The picture is cut to the cells that were observed, top row first. A block of cells becomes one character, and the most
-occupied cell of the block decides it, so that walls one cell thick survive. Characters are about twice as tall as
-wide: a block has twice as many rows as columns, and a map narrower than half the width gets two characters per cell.
+The picture is cropped to the observed cells, top row first. A block of cells becomes one character, chosen by its most
+occupied cell, so that walls one cell thick survive. Characters are about twice as tall as wide, so a block has twice as
+many rows as columns, and a map narrower than half the width uses two characters per cell.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from mapper.grid.occupancy_grid import (
 )
 
 OCCUPIED_CHARACTER, FREE_CHARACTER, UNKNOWN_CHARACTER = "#", ".", "?"
-RAMP = ".:-=+*#%@"  #: from p_occ 0 to 1; a block that was never observed is a space
+RAMP = ".:-=+*#%@"  #: for p_occ from 0 to 1; a block that was never observed is a space
 
 
 def three_state(grid: OccupancyGrid, width: int = 80) -> str:
-    """Return the map in ``#`` occupied, ``.`` free and ``?`` unknown, at most ``width`` characters wide.
+    """Return the map as ``#`` occupied, ``.`` free and ``?`` unknown, at most ``width`` characters wide.
 
     Raises :class:`ConfigError` for a width below 1.
     """
@@ -46,7 +46,7 @@ def density(grid: OccupancyGrid, width: int = 80) -> str:
 
 
 def _observed_part(grid: OccupancyGrid, cells: NDArray[np.int8]) -> NDArray[np.int8]:
-    """Return the smallest part of ``cells`` (rows, cols) that holds every observed cell, in image order."""
+    """Return the smallest part of ``cells`` (rows, cols) with every observed cell, in image order."""
     rows, cols = np.flatnonzero(grid.observed.any(axis=1)), np.flatnonzero(grid.observed.any(axis=0))
     if rows.size:
         cells = cells[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
@@ -54,7 +54,7 @@ def _observed_part(grid: OccupancyGrid, cells: NDArray[np.int8]) -> NDArray[np.i
 
 
 def _blocks(cells: NDArray[np.int8], width: int) -> NDArray[np.int8]:
-    """Return the greatest value of each block of cells, in as many columns as fit ``width``."""
+    """Return the maximum of each block of cells, in as many columns as fit ``width``."""
     if width < 1:
         raise ConfigError("render.width", f"A picture must be at least one character wide, not {width}.")
     rows, cols = cells.shape

@@ -1,14 +1,14 @@
-"""Names of the parameters that Nav2 declares: of costmaps, layers, AMCL, and the servers that plan and follow paths.
+"""Names of the parameters declared by Nav2's costmaps, layers, AMCL, and planner and controller servers.
 
-Source: the calls of declare_parameter, as they were in the main branch between Iron and Kilted, in navigation2's
-costmap_2d_ros.cpp, static_layer.cpp, obstacle_layer.cpp, voxel_layer.cpp, denoise_layer.cpp, inflation_layer.cpp,
+Source: the calls of declare_parameter in the main branch, between Iron and Kilted, of navigation2's costmap_2d_ros.cpp,
+static_layer.cpp, obstacle_layer.cpp, voxel_layer.cpp, denoise_layer.cpp, inflation_layer.cpp,
 plugin_container_layer.cpp, costmap_filter.cpp, keepout_filter.cpp, speed_filter.cpp, binary_filter.cpp,
 planner_server.cpp, controller_server.cpp and the parameter_handler.cpp of both, navfn_planner.cpp,
-nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, with the names that older and newer
-releases have. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
-:mod:`mapper.localization.parameters` were compared with these too. A name that is in none of these tables gets a note
-and has no effect: rclcpp passes over values of parameters that no node declares. :mod:`mapper.tools.nav2_names`
-compares the tables with the sources of a release.
+nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, plus the names of older and newer
+releases. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
+:mod:`mapper.localization.parameters` were also compared with these. A name missing from these tables gets a note and
+has no effect, because rclcpp ignores undeclared parameters. :mod:`mapper.tools.nav2_names` compares the tables with the
+sources of a release.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def _names(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-#: of every node: rclcpp's, those of nav2_util's LifecycleNode, and of nodes that offer services
+#: of every node: rclcpp's, nav2_util's LifecycleNode's, and those of nodes that offer services
 NODE = _names(
     "use_sim_time qos_overrides start_type_description_service bond_heartbeat_period autostart_node "
     "introspection_mode service_introspection_mode allow_parameter_qos_overrides"
@@ -69,13 +69,13 @@ SOURCE = _names(
     "topic sensor_frame observation_persistence expected_update_rate data_type min_obstacle_height "
     "max_obstacle_height inf_is_valid marking clearing obstacle_max_range obstacle_min_range raytrace_max_range "
     "raytrace_min_range transport_type"
-)  #: of one source of observations
-#: Names that later releases changed: the old one, the new one, and the release that has it first.
+)  #: of one observation source
+#: Names changed by later releases: the old one, the new one, and the first release with the new one.
 RENAMED = {
     "obstacle_range": ("obstacle_max_range", "Galactic"),
     "raytrace_range": ("raytrace_max_range", "Galactic"),
 }
-#: Parameters of costmaps whose values are integers; those of all others that are numbers are doubles.
+#: Integer parameters of costmaps; all other numbers are doubles.
 WHOLE = _names(
     "lethal_cost_threshold inscribed_obstacle_cost_value unknown_cost_value width height z_voxels mark_threshold "
     "unknown_threshold minimal_group_size group_connectivity_type combination_method num_threads"
@@ -91,7 +91,7 @@ CONTROLLER_SERVER = _names(
     "costmap_update_timeout odom_topic odom_duration progress_checker_plugins goal_checker_plugins "
     "action_server_result_timeout enable_stamped_cmd_vel "
     "interpolate_curvature_after_goal max_robot_pose_search_dist prune_distance enforce_path_inversion "
-    "inversion_xy_tolerance inversion_yaw_tolerance path_handler_plugins "  # the path's handler, after Kilted
+    "inversion_xy_tolerance inversion_yaw_tolerance path_handler_plugins "  # path handler, after Kilted
     "progress_checker_plugin goal_checker_plugin controller_plugin_ids controller_plugin_types"  # older names
 )
 NAVFN = _names("plugin tolerance use_astar allow_unknown use_final_approach_orientation")
@@ -107,7 +107,7 @@ PURSUIT = _names(
     "use_interpolation use_approach_linear_velocity_scaling goal_dist_tol min_distance_to_obstacle stateful "
     "use_path_aware_obstacle_distance"
 )
-#: of AMCL, without those that change where the robot is found (:mod:`mapper.localization.parameters` has them)
+#: of AMCL, except those that affect the estimate (in :mod:`mapper.localization.parameters`)
 AMCL = _names(
     "always_reset_initial_pose base_frame_id beam_skip_distance beam_skip_error_threshold beam_skip_threshold "
     "do_beamskip first_map_only freespace_downsampling force_update_after_initialpose force_update_after_set_map "
@@ -128,15 +128,15 @@ def undeclared(where: str, name: str, declared: Collection[str]) -> str:
 
 
 def not_built(where: str, plugin: object, in_place: str) -> str:
-    """Return the sentence on a plugin of a server that is not built here, and what stands in its place."""
+    """Return the sentence on a server plugin that is not supported, and its substitute."""
     return f"{where}: {str(plugin)!r:.80} is not built here; {in_place}."
 
 
 def checked(row: Parameter, value: object, where: str, notes: list[str]) -> float | str | bool:
-    """Return a value of a parameter file as a row of ours has it; ``where`` is its path in the file.
+    """Return a parameter file's value converted to our row; ``where`` is its path in the file.
 
-    A number beyond what is computed with here, as a greatest height of 1000 m or .inf, is no error: the nearest value
-    is taken, with a note. Raises :class:`ConfigError`, which names the path, for any other value that is none.
+    A number beyond the supported range, such as a maximum height of 1000 m or .inf, is no error: it is clamped, with a
+    note. Raises :class:`ConfigError`, naming the path, for any other invalid value.
     """
     notes += wrong_type(value, where, is_whole=row.name in WHOLE)
     value = within(row, value, where, notes)
@@ -147,9 +147,10 @@ def checked(row: Parameter, value: object, where: str, notes: list[str]) -> floa
 
 
 def wrong_type(value: object, where: str, *, is_whole: bool) -> list[str]:
-    """Return a note on a number that has a point where Nav2 declares an integer, or none where it declares a double.
+    """Return a note on a number with a decimal point if Nav2 declares an integer, or without one if it declares a
+    double.
 
-    rclcpp refuses to set a parameter of one type to a value of another, since Galactic.
+    Since Galactic, rclcpp refuses to set a parameter to a value of another type.
     """
     if isinstance(value, bool) or not isinstance(value, int | float) or isinstance(value, int) == is_whole:
         return []
@@ -164,15 +165,15 @@ _FILLED_IN = " It is filled in where Nav2 is launched: put the value into the fi
 
 
 def is_filled_in(value: object) -> bool:
-    """Return whether a value is one that a launch file fills in, as ``$(var x)``, ``<x>`` or ``ZONE_ENABLED``."""
+    """Return whether a value is filled in by a launch file, such as ``$(var x)``, ``<x>`` or ``ZONE_ENABLED``."""
     return isinstance(value, str) and ("$(" in value or value.startswith("<") or bool(_PLACEHOLDER.fullmatch(value)))
 
 
 def switched(value: object, where: str, notes: list[str]) -> bool:
-    """Return the value of a filter's ``enabled``; true, with a note, where a launch file fills it in.
+    """Return the value of a filter's ``enabled``; true, with a note, if a launch file fills it in.
 
-    Nav2's own parameter file has KEEPOUT_ZONE_ENABLED and SPEED_ZONE_ENABLED there since Kilted, which are true by the
-    launch file's defaults. Raises :class:`ConfigError` for any other value that is none.
+    Since Kilted, Nav2's own parameter file has KEEPOUT_ZONE_ENABLED and SPEED_ZONE_ENABLED there, whose launch file
+    defaults are true. Raises :class:`ConfigError` for any other invalid value.
     """
     if is_filled_in(value):
         notes.append(f"{where} is {value!s:.80}, which is filled in where Nav2 is launched: true is taken.")
@@ -183,9 +184,9 @@ def switched(value: object, where: str, notes: list[str]) -> bool:
 
 
 def within(row: Parameter, value: object, where: str, notes: list[str]) -> object:
-    """Return a number above the bounds of a row as the upper one, also one below bounds that are negative, as lower.
+    """Clamp a number above a row's bounds to the upper one, and one below negative bounds to the lower one.
 
-    There is a note on it. Other values are returned as they are.
+    A note is added. Other values are returned unchanged.
     """
     if row.kind != "number" or isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
         return value

@@ -1,4 +1,4 @@
-"""Read a ROS parameter file: yaml with ``ros__parameters`` somewhere in it.
+"""Reading of ROS parameter files: yaml with ``ros__parameters`` at some level.
 
 Source: the design articles of ROS 2, Parameter YAML files.
 """
@@ -23,14 +23,14 @@ from mapper.io.untrusted_yaml import (
     where_and_why,
 )
 
-MAX_BYTES = 1 << 20  #: a whole Nav2 stack's file has some 20 kB
+MAX_BYTES = 1 << 20  #: the file of a whole Nav2 stack has about 20 kB
 MAX_DEPTH = UntrustedLoader.most_levels
-MOST_TWICE = 10  #: notes on keys that occur twice
+MOST_TWICE = 10  #: notes on duplicate keys
 MAX_VALUES = UntrustedLoader.most_values
 
 
 def read_parameter_file(path: str | os.PathLike[str]) -> bytes:
-    """Return the bytes of a parameter file, one more than it may have at most. Raises :class:`ReadError`."""
+    """Return the bytes of a parameter file, at most one more than allowed. Raises :class:`ReadError`."""
     place = Path(path)
     try:
         with place.open("rb") as file:
@@ -41,16 +41,16 @@ def read_parameter_file(path: str | os.PathLike[str]) -> bytes:
 
 
 class ParameterFile(dict[str, Any]):
-    """The mapping of a parameter file; ``notes`` are sentences on what in it does not count."""
+    """The mapping of a parameter file; ``notes`` are sentences on ignored content."""
 
     notes: tuple[str, ...] = ()
 
 
 def parse_ros_parameters(data: bytes) -> ParameterFile:
-    """Return the mapping that a parameter file's bytes hold.
+    """Return the mapping in a parameter file's bytes.
 
-    Raises :class:`ReadError` for text that is not such a mapping and names the line where there is one, and
-    :class:`LimitError` for more than 1 MiB or 10 000 values.
+    Raises :class:`ReadError`, naming the line if possible, for text that is not such a mapping, and :class:`LimitError`
+    for more than 1 MiB or 10 000 values.
     """
     if len(data) > MAX_BYTES:
         raise LimitError(
@@ -86,16 +86,16 @@ def parse_ros_parameters(data: bytes) -> ParameterFile:
     return file
 
 
-WILDCARDS = ("*", "**")  #: names of nodes that stand for one name, or for any names
+WILDCARDS = ("*", "**")  #: node names that match one name, or any names
 
 
 def nodes_of(root: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
-    """Yield the name with its namespaces, and the parameters, of each node of a file's mapping, in its order.
+    """Yield the fully qualified name and the parameters of each node of a file's mapping, in order.
 
-    A node is what holds ``ros__parameters``. Namespaces are keys, or parts of a fully qualified name with ``/``, as
-    ``ros2 param dump`` writes it; a parameter's name may have dots, each of which is a level. Raises
-    :class:`ReadError` for a name that is given a value and parameters of its own. Of a node that stands in several
-    ways, all parameters count, the last value of each, as in rcl.
+    A node is a mapping with ``ros__parameters``. Namespaces are keys, or parts of a fully qualified name with ``/``, as
+    written by ``ros2 param dump``; dots in a parameter's name separate levels. Raises :class:`ReadError` for a name
+    with both a value and parameters of its own. If a node occurs repeatedly, its parameters are merged and the last
+    value is used, as in rcl.
     """
     nodes: dict[tuple[str, ...], dict[str, Any]] = {}
     for path, parameters in _nodes_below(root, ()):
@@ -116,7 +116,7 @@ def _nodes_below(
 
 
 def _with_levels(parameters: Mapping[Any, Any], where: str) -> dict[str, Any]:
-    """Return parameters with a level for each dot in their names."""
+    """Return parameters with each dot in their names expanded to a level."""
     levels: dict[str, Any] = {}
     for name, value in parameters.items():
         inner = _with_levels(value, where) if isinstance(value, dict) else value
@@ -146,10 +146,10 @@ def find_node(
 ) -> tuple[str, dict[str, Any]] | None:
     """Return the parameters of the first node of ``names`` in a file's mapping, and its name.
 
-    The node may be below namespaces, in any depth. What the file says of all nodes (``/**``) is taken where it is one
-    of the names that the node ``declared``, or a block, and the node itself has no other value. A file that only says
-    something of all nodes is of the first of the names if it has a declared name. None where no such node is in the
-    file. Raises :class:`ReadError` as :func:`nodes_of`.
+    The node may be below any number of namespaces. Parameters of all nodes (``/**``) are used if the node ``declared``
+    the name, or if they are blocks, and the node itself has no other value. A file with parameters of all nodes only
+    applies to the first of the names if it has a declared name. None if the file has no such node. Raises the errors of
+    :func:`nodes_of`.
     """
     of_all: dict[str, Any] = {}
     nodes: dict[str, dict[str, Any]] = {}
@@ -166,12 +166,12 @@ def find_node(
 
 
 def node_names(root: Mapping[str, Any]) -> list[str]:
-    """Return the names of the nodes of a file's mapping, each once, in its order."""
+    """Return the distinct node names of a file's mapping, in order."""
     return list(dict.fromkeys("/".join(path) for path, _ in nodes_of(root)))
 
 
 def note_on_others(root: Mapping[str, Any], name: str) -> list[str]:
-    """Return a note on the nodes of a name that :func:`find_node` did not take, as those of other robots."""
+    """Return a note on the nodes of a name that :func:`find_node` did not use, such as those of other robots."""
     same = [node for node in node_names(root) if node.rsplit("/", 1)[-1] == name]
     if len(same) < 2:
         return []
@@ -180,7 +180,7 @@ def note_on_others(root: Mapping[str, Any], name: str) -> list[str]:
 
 
 def value_below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what yaml holds
-    """Return the value of the first ``name`` in a file's mapping, in any depth; None where there is none."""
+    """Return the value of the first ``name`` in a file's mapping, at any depth; None if there is none."""
     if name in root:
         return root[name]
     for value in root.values():
@@ -192,7 +192,7 @@ def value_below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what 
 
 
 def names_of(value: object, where: str) -> list[str]:
-    """Return a list of names, which stands at ``where`` in a file. Raises :class:`ConfigError` for anything else."""
+    """Return a list of names at ``where`` in a file. Raises :class:`ConfigError` for anything else."""
     if isinstance(value, list) and all(isinstance(name, str) for name in value):
         return value
     quoted = "; ROS 2 takes what is in quotes for a text" if isinstance(value, str) and "[" in value else ""
@@ -202,9 +202,9 @@ def names_of(value: object, where: str) -> list[str]:
 def with_node(
     root: Mapping[str, Any], name: str, parameters: Mapping[str, Any], path: tuple[str, ...]
 ) -> dict[str, Any]:
-    """Return a file's mapping in which the node that :func:`find_node` takes has these parameters alone.
+    """Return a file's mapping with the node found by :func:`find_node` replaced by these parameters.
 
-    Where the file has no such node it is added at ``path``. What else is in the file stays.
+    If the file has no such node it is added at ``path``. Everything else in the file is kept.
     """
     target = next((path for path, _ in nodes_of(root) if path and path[-1] == name), None)
     if target is not None:
@@ -219,9 +219,10 @@ def with_node(
 def _replaced(
     nodes: Mapping[str, Any], path: tuple[str, ...], target: tuple[str, ...], parameters: Mapping[str, Any] | None
 ) -> tuple[dict[str, Any], bool]:
-    """Return a mapping with the parameters of the node ``target`` replaced where it stands first, and whether it does.
+    """Return a mapping with the parameters of the node ``target`` replaced at its first occurrence, and whether it
+    occurs.
 
-    Where the node stands again its parameters are left out; None leaves them out everywhere.
+    At later occurrences its parameters are removed; None removes them everywhere.
     """
     replaced: dict[str, Any] = {}
     is_done = False

@@ -1,9 +1,9 @@
-"""YAML of untrusted sources: a loader with limits of nesting, of values and of integers.
+"""YAML from untrusted sources: a loader with limits on nesting, number of values and integers.
 
-Few lines of aliases describe gigabytes: the values that each stands for count again. PyYAML reads nested lists by
-recursion and integers of any length in quadratic time. Besides its own errors, PyYAML raises others for values that are
-no instance of their tag. libyaml reads the text, some ten times as fast as PyYAML's own parser; PyYAML makes the values
-of it, some ten microseconds each.
+A few lines of aliases can describe gigabytes, so the values behind each alias are counted again. PyYAML reads nested
+lists recursively and integers of any length in quadratic time, and it raises errors of other types for values that do
+not match their tag. libyaml parses the text, about ten times as fast as PyYAML's own parser; PyYAML constructs the
+values, in about ten microseconds each.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from yaml.constructor import SafeConstructor
 from yaml.resolver import Resolver
 
 _EXPONENT = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)[eE][-+]?\d{1,4}", re.ASCII)
-LONGEST_INTEGER = 100  #: characters; the longest integer of 64 bits is binary, with its sign and underscores
+LONGEST_INTEGER = 100  #: characters; the longest 64-bit integer is binary, with sign and underscores
 
 
 class AliasError(yaml.MarkedYAMLError):
-    """The text has an alias of a list or mapping within itself."""
+    """The text has an alias to a list or mapping within itself."""
 
 
 class DepthError(yaml.MarkedYAMLError):
-    """The text has more lists and mappings inside one another than ``most_levels``."""
+    """The text has more than ``most_levels`` nested lists and mappings."""
 
 
 class CountError(yaml.MarkedYAMLError):
@@ -34,28 +34,28 @@ class CountError(yaml.MarkedYAMLError):
 
 
 class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
-    """Loads plain values from untrusted text; raises :class:`yaml.YAMLError` for text that it cannot load.
+    """Loads plain values from untrusted text; raises :class:`yaml.YAMLError` for text that cannot be loaded.
 
-    PyYAML's composer stands before that of libyaml, which cannot be overridden: its recursion has no limit.
+    PyYAML's composer precedes that of libyaml, which cannot be overridden and has unlimited recursion.
     """
 
-    most_levels: ClassVar[int] = 20  #: of lists, mappings and the value within them
+    most_levels: ClassVar[int] = 20  #: of lists, mappings and the value inside them
     most_values: ClassVar[int] = 10_000  #: with keys, lists and mappings; a whole Nav2 stack's file has some 1500
     _level = 0
     _count = 0
-    _deepest = 0  #: the greatest level within the node that is composed
+    _deepest = 0  #: maximum level within the node being composed
 
     def __init__(self, text: str) -> None:
-        # Lone surrogates, which are no UTF-8, are refused by libyaml with a yaml.YAMLError.
+        # libyaml rejects lone surrogates, which are not UTF-8, with a yaml.YAMLError.
         CParser.__init__(self, text.encode("utf-8", "surrogatepass"))
         Composer.__init__(self)
         SafeConstructor.__init__(self)
         Resolver.__init__(self)
-        self._anchored: dict[str, tuple[int, int]] = {}  #: values and levels of each node with a name
-        self.twice: list[tuple[str, int, int]] = []  #: keys that occur twice in a mapping, of which the last counts
+        self._anchored: dict[str, tuple[int, int]] = {}  #: values and levels of each anchored node
+        self.twice: list[tuple[str, int, int]] = []  #: duplicate keys of mappings, of which the last is used
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:  # noqa: ANN401 - PyYAML's own
-        """Return the next mapping; a key that stands in it again is noted in ``twice``."""
+        """Return the next mapping; duplicate keys are recorded in ``twice``."""
         node = super().compose_mapping_node(anchor)
         lines: dict[str, int] = {}
         for key, _ in node.value:
@@ -101,14 +101,14 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from None
 
     def construct_yaml_float(self, node: yaml.ScalarNode) -> float:
-        """Return a number, which may have an exponent without a point or a sign, as YAML 1.2 and ROS 2 have it."""
+        """Return a number, which may have an exponent without a point or sign, as in YAML 1.2 and ROS 2."""
         if _EXPONENT.fullmatch(node.value):
             return float(node.value)
         return float(super().construct_yaml_float(node))
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
-        """Return an integer of 64 bits."""
-        # Bases other than ten, and of YAML 1.1 also 59:59:59, are not limited by Python itself.
+        """Return a 64-bit integer."""
+        # Python does not limit bases other than ten, including YAML 1.1's 59:59:59.
         if len(node.value) <= LONGEST_INTEGER:
             value = super().construct_yaml_int(node)
             if -(2**63) <= value < 2**64:
@@ -133,9 +133,9 @@ def load_untrusted(text: str) -> Any:  # noqa: ANN401 - what yaml holds
 
 
 def load_with_twice(text: str) -> tuple[Any, list[tuple[str, int, int]]]:
-    """Return the value of a YAML text, and the keys that occur twice in a mapping, with their lines.
+    """Return the value of a YAML text, and the duplicate keys of its mappings, with their lines.
 
-    Of such the last counts alone. Raises :class:`yaml.YAMLError`.
+    For duplicates only the last value is used. Raises :class:`yaml.YAMLError`.
     """
     loader = UntrustedLoader(text)
     try:
@@ -145,7 +145,7 @@ def load_with_twice(text: str) -> tuple[Any, list[tuple[str, int, int]]]:
 
 
 def where_and_why(error: yaml.MarkedYAMLError, text: str) -> str:
-    """Return the line of an error in a text and what is wrong there, in words of people and not of the parser."""
+    """Return the line of an error in a text and what is wrong there, in plain words."""
     if error.problem_mark is None:
         return f": {error.problem}"
     number = error.problem_mark.line

@@ -1,4 +1,4 @@
-"""Monte Carlo localization: where a robot is in a reference map, by its odometry and its scans."""
+"""Monte Carlo localization: pose of a robot in a reference map from odometry and scans."""
 
 from typing import TYPE_CHECKING
 

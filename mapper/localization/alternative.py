@@ -1,7 +1,7 @@
-"""A second hypothesis of where the robot is, and the test that decides between it and the filter's own.
+"""A second hypothesis of the robot's pose, and the test between it and the filter's hypothesis.
 
-Sources: Wald 1945, Sequential tests of statistical hypotheses (the ratio and its limits); the ratio of two filters'
-predictive likelihoods, as between the tracks of multiple hypothesis tracking (Jensfelt and Kristensen 2001, Active
+Sources: Wald 1945, Sequential tests of statistical hypotheses (the ratio and its limits); the ratio of the predictive
+likelihoods of two filters, as between the tracks of multiple hypothesis tracking (Jensfelt and Kristensen 2001, Active
 global localization for a mobile robot using multiple hypothesis tracking).
 """
 
@@ -19,15 +19,15 @@ from mapper.localization.estimate import CONVERGED_M, CONVERGED_RAD, LOST_TIMES,
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.scan_beams import ScanBeams
 
-ERROR = 1e-3  #: wanted probability that the test decides wrongly, either way
-LIMIT = math.log((1.0 - ERROR) / ERROR)  #: of the logarithm of the likelihoods' ratio: Wald's log A and −log B
-MOST_SCANS = 64  #: after which a test without a decision ends in favour of the filter
-SEARCHED = 0.2  #: an alternative's particles at first, of ``global_particles``
-SHARE = 0.5  #: weight that an alternative's particles get in the filter once the test has decided for them
+ERROR = 1e-3  #: probability of a wrong decision, either way
+LIMIT = math.log((1.0 - ERROR) / ERROR)  #: limit of the log-likelihood ratio: Wald's log A and −log B
+MOST_SCANS = 64  #: after which an undecided test ends in favour of the filter
+SEARCHED = 0.2  #: initial number of an alternative's particles, as a fraction of ``global_particles``
+SHARE = 0.5  #: weight of an alternative's particles in the filter after the test has decided for them
 
 
 class Filter(Protocol):
-    """Interface of a particle filter that an alternative uses (:class:`mapper.localization.MonteCarloLocalizer`)."""
+    """Interface of a particle filter used by an alternative (:class:`mapper.localization.MonteCarloLocalizer`)."""
 
     estimate: Estimate
     log_evidence: float
@@ -38,14 +38,14 @@ class Filter(Protocol):
         """Move the particles."""
 
     def correct(self, scan: ScanBeams) -> None:
-        """Weigh the particles by a scan."""
+        """Weight the particles by a scan."""
 
 
 class Alternative:
-    """A filter on poses apart from another filter's, and the sequential probability ratio test of the two.
+    """A filter on poses apart from another filter's, and the sequential probability ratio test between the two.
 
-    ``log_ratio`` is Σ log p(z | alternative) − log p(z | filter) over the scans after the one that the alternative was
-    drawn from: that one was chosen because it fits.
+    ``log_ratio`` is Σ log p(z | alternative) − log p(z | filter) over the scans after the one from which the
+    alternative was drawn; that scan is excluded because it was selected for its fit.
     """
 
     def __init__(self, robot: Filter) -> None:
@@ -54,25 +54,27 @@ class Alternative:
         self.n_scans = 0
 
     def correct(self, scan: ScanBeams, log_evidence: float) -> None:
-        """Weigh the alternative by a scan that was as likely as ``log_evidence`` in the filter."""
+        """Weight the alternative by a scan with the log-likelihood ``log_evidence`` in the filter."""
         self.robot.correct(scan)
         self.log_ratio += self.robot.log_evidence - log_evidence
         self.n_scans += 1
 
     @property
     def has_won(self) -> bool:
-        """Whether the scans are so much likelier at the alternative's poses that the test decides for them."""
+        """Whether the test decides for the alternative."""
         return self.log_ratio >= LIMIT
 
     def has_lost(self, estimate: Estimate) -> bool:
-        """Whether the test decides for the filter, has taken too long, or the alternative is where the filter is."""
+        """Whether the test decides for the filter or has taken too long, or the alternative coincides with the
+        filter.
+        """
         own = self.robot.estimate
         is_same = own.share >= SHARE and bool(near(own.pose[np.newaxis], estimate.pose)[0])
         return is_same or self.log_ratio <= -LIMIT or self.n_scans >= MOST_SCANS
 
 
 def alternative_config(config: LocalizationConfig) -> LocalizationConfig:
-    """Return the parameters of an alternative: no particles are added to recover it, and none stands against it."""
+    """Return the parameters of an alternative: without recovery and without an alternative of its own."""
     return config.with_values(
         {
             "reset_below": 0.0, "recovery_alpha_slow": 0.0, "recovery_alpha_fast": 0.0,
@@ -82,12 +84,12 @@ def alternative_config(config: LocalizationConfig) -> LocalizationConfig:
 
 
 def alternative_particles(config: LocalizationConfig) -> int:
-    """Return how many particles an alternative has at first, and at most until it has converged."""
+    """Return the number of particles of an alternative initially and, at most, until it has converged."""
     return max(100, round(SEARCHED * config.global_particles))
 
 
 def near(poses: Float64Array, pose: Float64Array) -> NDArray[np.bool_]:
-    """Return which of ``poses`` (n, 3) may be the place of a converged filter at ``pose`` (3,)."""
+    """Return which of ``poses`` (n, 3) may belong to a converged filter at ``pose`` (3,)."""
     off = poses - pose
     is_close = np.hypot(off[:, 0], off[:, 1]) <= LOST_TIMES * CONVERGED_M
     return is_close & (np.abs(wrap_angle(off[:, 2])) <= LOST_TIMES * CONVERGED_RAD)

@@ -1,6 +1,6 @@
-"""Parameters of AMCL as yaml: Nav2's layout (``amcl: ros__parameters:``) and that of ROS 1 (names by themselves).
+"""AMCL parameters as yaml, in Nav2's layout (``amcl: ros__parameters:``) and that of ROS 1 (plain names).
 
-Only plain scalars count. Source: the documentation of nav2_amcl (docs.nav2.org) and of amcl (wiki.ros.org/amcl), for
+Only plain scalars are used. Source: the documentation of nav2_amcl (docs.nav2.org) and of amcl (wiki.ros.org/amcl), for
 names and defaults.
 """
 
@@ -23,7 +23,7 @@ from mapper.localization.parameters import BY_NAME, LocalizationConfig
 
 Layout = Literal["nav2", "ros1"]
 
-#: Names that Nav2 has for rows whose names are others here.
+#: Nav2's names of rows that are named differently here.
 NAV2_NAMES = {"max_beams": "laser_max_beams", "laser_likihood_max_dist": "laser_likelihood_max_dist"}
 _ROS1_NAMES = {
     **{f"odom_alpha{k}": f"alpha{k}" for k in range(1, 6)},
@@ -43,7 +43,7 @@ _MODELS = {
     "differential": "differential", "omnidirectional": "omni",
     "diff": "differential", "diff-corrected": "differential", "omni": "omni", "omni-corrected": "omni",
 }  # fmt: skip
-#: Those of Nav2's (amcl_node.cpp) that differ from this project's.
+#: Defaults of Nav2 (amcl_node.cpp) that differ from this project's.
 NAV2_DEFAULTS: Mapping[str, Any] = {"laser_model_type": "likelihood_field", "z_short": 0.05}
 #: Rows that Nav2's AMCL lacks; ROS 1's has selective_resampling.
 OWN_ROWS = (
@@ -56,7 +56,7 @@ OWN_ROWS = (
 class AmclParameters:
     """Contents of an AMCL yaml: the parameters, the layout, and keys that do not affect the estimate.
 
-    ``others`` are the values of that by their names, which :func:`amcl_yaml` writes again. ``notes`` are sentences on
+    ``others`` are the values of those keys by name, which :func:`amcl_yaml` writes again. ``notes`` are sentences on
     names that AMCL does not declare.
     """
 
@@ -72,17 +72,19 @@ class AmclParameters:
 
 
 def read_amcl_yaml(path: str | os.PathLike[str]) -> AmclParameters:
-    """Return the parameters in an AMCL yaml. Raises as :func:`parse_amcl_yaml`, and for a file that cannot be read."""
+    """Return the parameters in an AMCL yaml. Raises the errors of :func:`parse_amcl_yaml`, and for an unreadable
+    file.
+    """
     return parse_amcl_yaml(read_parameter_file(path))
 
 
 def parse_amcl_yaml(data: bytes) -> AmclParameters:
-    """Return the parameters in the text of an AMCL yaml, whose node may stand anywhere in a Nav2 file.
+    """Return the parameters in the text of an AMCL yaml; the node may be anywhere in a Nav2 file.
 
-    Values that it leaves out are AMCL's defaults, those of ROS 1 for its layout. Rows that AMCL lacks are read from the
-    remarks in which :func:`amcl_yaml` writes them. Raises :class:`ReadError` for text
-    that is no such yaml, and for an invalid value, and :class:`ConfigError` for a value that is impossible, as
-    well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
+    Missing values are AMCL's defaults, those of ROS 1 for its layout. Rows that AMCL lacks are read from the comments
+    written by :func:`amcl_yaml`. Raises :class:`ReadError` for text that is not such a yaml and for an invalid value,
+    :class:`ConfigError` for an impossible value, and the errors of
+    :func:`mapper.io.ros_parameters.parse_ros_parameters`.
     """
     root = parse_ros_parameters(data)
     values, layout = _node(root)
@@ -107,12 +109,12 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
 
 
 def is_other(name: str) -> bool:
-    """Return whether AMCL has a parameter of that name that does not change where the robot is found."""
+    """Return whether AMCL has a parameter of that name that does not affect the estimate."""
     return name.partition(".")[0] in AMCL | NODE
 
 
 def _checked_other(name: str, value: object, depth: int = 0) -> object:
-    """Return a value that a yaml and JSON can hold. Raises :class:`ConfigError` for another one, as a date."""
+    """Return a value that yaml and JSON can represent. Raises :class:`ConfigError` for others, such as a date."""
     if depth > MAX_DEPTH:
         raise ConfigError("amcl.value", f"{name:.80} is nested deeper than {MAX_DEPTH} levels.")
     if isinstance(value, list):
@@ -125,9 +127,9 @@ def _checked_other(name: str, value: object, depth: int = 0) -> object:
 
 
 def _remarks(data: bytes) -> dict[str, Any]:
-    """Return the values of rows that AMCL lacks, from the remarks at the end of a yaml of :func:`amcl_yaml`.
+    """Return the values of rows that AMCL lacks, from the comments at the end of a yaml of :func:`amcl_yaml`.
 
-    Raises :class:`ReadError` for a value that is no yaml.
+    Raises :class:`ReadError` for a value that is not yaml.
     """
     remarks = re.findall(rb"^\s*# gridbloom: (\w+): ([\w.+-]+)\s*$", data, re.MULTILINE)
     values = {}
@@ -141,7 +143,7 @@ def _remarks(data: bytes) -> dict[str, Any]:
 
 
 def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
-    """Return AMCL's parameters: of ``amcl: ros__parameters:`` anywhere, of ``amcl:``, or the file's own keys."""
+    """Return AMCL's parameters: from ``amcl: ros__parameters:`` anywhere, from ``amcl:``, or the top-level keys."""
     node = find_node(root, ("amcl",), {*BY_NAME, *NAV2_NAMES, *AMCL} - {"transform_tolerance", "map_topic"})
     if node is not None:
         return _named(node[1]), "nav2"
@@ -175,10 +177,10 @@ def _value(name: str, own: str, value: object) -> object:
 
 
 def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2", others: Mapping[str, Any] | None = None) -> str:
-    """Return the parameters as the yaml of an AMCL, with the ``others`` of the yaml that they come from.
+    """Return the parameters as an AMCL yaml, with the ``others`` of the yaml from which they were read.
 
-    Rows that AMCL lacks are remarks at its end. Raises :class:`ConfigError` for another name that AMCL does not have,
-    and for a value of the others that a parameter file cannot hold.
+    Rows that AMCL lacks are comments at the end. Raises :class:`ConfigError` for another name that AMCL does not have,
+    and for a value of the others that a parameter file cannot represent.
     """
     unknown = [name for name in others or {} if not is_other(name)]
     if unknown:

@@ -1,12 +1,12 @@
-"""Whether a filter that has converged may say that it is sure of the place.
+"""Test whether a converged filter can be sure of its place.
 
-That particles agree on a place does not tell that it is the right one: of several places that look alike they keep one.
-Two things tell it. Readings contradict a place where beams go on behind walls of the map, and a scan of which the map
-explains little was not taken there, or the map is not that of the place any more. And other places, on which
-alternatives are begun again and again (:mod:`mapper.localization.alternative`), must be ruled out by their tests, one
-after the other and soon: where a test takes long, another place explains the scans nearly as well. In a map that is out
-of date a wrong place may explain furniture better than the right one, and more of them must be ruled out. Where the
-estimate jumps beside the odometry, what was ruled out before says nothing of the new place.
+Agreement of the particles does not show that the place is right, because they keep one of several similar places. Two
+conditions do. First, the map must explain the readings: beams that pass through walls contradict a place, and a scan of
+which the map explains little was taken elsewhere, or the map is outdated. Second, alternatives at other places, which
+are started repeatedly (:mod:`mapper.localization.alternative`), must be ruled out by their tests one after another and
+soon; a long test means that another place explains the scans nearly as well. In an outdated map a wrong place may
+explain furniture better than the right one, and more alternatives must be ruled out. If the estimate jumps relative to
+the odometry, earlier results do not apply to the new place.
 """
 
 from __future__ import annotations
@@ -21,30 +21,30 @@ from mapper.localization.kernels.contradiction import count_unexplained
 from mapper.localization.map_model import MapModel
 from mapper.localization.scan_beams import ScanBeams
 
-TURN, MARGIN = math.radians(2.0), 0.3  #: by which beams and ranges may be off without a contradiction; m
-RATE = 0.3  #: of the average share of contradicted readings
-MOST_CONTRADICTED = 0.15  #: of the readings, in that average, of a filter that is sure
-MOST_UNEXPLAINED = 0.4  #: of the readings of the newest scan, longer or shorter than the map has it
-REFUTED = 0.3  #: average from which on the place has to be confirmed again
-WANTED = 5  #: alternatives in a row that must have been ruled out,
-WANTED_IN_CHANGED = 8  #: and where the map is known to be out of date
-CHANGED_RATE = 0.03  #: of the slow average share of contradicted readings,
-CHANGED = 0.02  #: from which on the map is out of date
-SOON = 8  #: scans within which each must be
-JUMP_M, JUMP_RAD = 0.5, math.radians(20.0)  #: of an estimate beside the odometry, from which on it is another place
+TURN, MARGIN = math.radians(2.0), 0.3  #: tolerances of bearings and ranges without a contradiction; m
+RATE = 0.3  #: of the moving average of the fraction of contradicted readings
+MOST_CONTRADICTED = 0.15  #: maximum of that average for a filter that is sure
+MOST_UNEXPLAINED = 0.4  #: maximum fraction of readings of the newest scan that are longer or shorter than in the map
+REFUTED = 0.3  #: average above which the place has to be confirmed again
+WANTED = 5  #: number of alternatives in a row that must be ruled out,
+WANTED_IN_CHANGED = 8  #: and if the map is known to be outdated
+CHANGED_RATE = 0.03  #: of the slow moving average of the fraction of contradicted readings,
+CHANGED = 0.02  #: above which the map is outdated
+SOON = 8  #: maximum number of scans for each
+JUMP_M, JUMP_RAD = 0.5, math.radians(20.0)  #: deviation of an estimate from the odometry that counts as another place
 
 
 def is_jump(expected: Float64Array, estimated: Float64Array) -> BoolArray:
-    """Return where poses ``estimated`` (n, 3) are another place than ``expected`` (n, 3), to which the odometry led."""
+    """Return where poses ``estimated`` (n, 3) are at another place than ``expected`` (n, 3) from the odometry."""
     off = compose(inverse(expected), estimated)
     jumped: BoolArray = (np.hypot(off[:, 0], off[:, 1]) > JUMP_M) | (np.abs(wrap_angle(off[:, 2])) > JUMP_RAD)
     return jumped
 
 
 def unexplained_shares(model: MapModel, scan: ScanBeams, pose: Float64Array) -> tuple[float, float]:
-    """Return the shares of a scan's readings, 0 to 1, that are longer and shorter than the map has it at ``pose`` (3,).
+    """Return the fractions, 0 to 1, of a scan's readings that are longer and shorter than in the map at ``pose`` (3,).
 
-    The longer ones go on behind walls.
+    The longer ones pass through walls.
     """
     n = len(scan.beams)
     if not n:
@@ -54,44 +54,44 @@ def unexplained_shares(model: MapModel, scan: ScanBeams, pose: Float64Array) -> 
 
 
 class Confidence:
-    """What speaks for and against the place of one filter, since it has converged there."""
+    """Evidence for and against the place of one filter since it converged there."""
 
     def __init__(self) -> None:
-        self.contradicted = 0.0  #: average share of contradicted readings
-        self._changed = 0.0  # its slow average at all places that were confirmed in part: it is a property of the map
+        self.contradicted = 0.0  #: moving average of the fraction of contradicted readings
+        self._changed = 0.0  # its slow average over all partly confirmed places, a property of the map
         self._unexplained = 0.0
-        self._ruled_out = 0  # alternatives in a row
-        self._is_rivalled = False  # whether the present alternative explains the scans since it began better
+        self._ruled_out = 0  # number of alternatives in a row
+        self._is_rivalled = False  # whether the current alternative explains the scans since its start better
 
     def glance(self, longer: float, shorter: float) -> None:
-        """Take the shares of a scan's readings that are longer and shorter than the map has it at the estimate."""
+        """Record the fractions of a scan's readings that are longer and shorter than in the map at the estimate."""
         self._unexplained = longer + shorter
 
     def look(self, longer: float, shorter: float) -> None:
-        """Take those of a scan that the filter used, as :meth:`glance`: the averages follow."""
+        """Like :meth:`glance`, for a scan that the filter used; also updates the averages."""
         self.glance(longer, shorter)
         self.contradicted += RATE * (longer - self.contradicted)
-        if self._ruled_out:  # at a place that nothing speaks for, contradictions say nothing of the map
+        if self._ruled_out:  # at an unconfirmed place, contradictions do not apply to the map
             self._changed += CHANGED_RATE * (longer - self._changed)
         if self.contradicted > REFUTED:
             self.doubt()
 
     def rule_out(self, scans: int) -> None:
-        """Take note of an alternative that was ruled out by ``scans`` scans."""
+        """Record that an alternative was ruled out by ``scans`` scans."""
         if scans <= SOON:
             self._ruled_out += 1
 
     def wait(self, scans: int = 0, log_ratio: float = 0.0) -> None:
-        """Take note of an alternative that so many scans, exp(``log_ratio``) times as likely there, have not ruled out.
+        """Record that an alternative, exp(``log_ratio``) times as likely, is not ruled out after this many scans.
 
-        Without arguments: of that there is none.
+        Without arguments: there is no alternative.
         """
         self._is_rivalled = log_ratio > 0.0
         if scans > SOON:
             self.doubt()
 
     def doubt(self) -> None:
-        """Begin again: the filter is elsewhere, or another place is likelier."""
+        """Start again, because the filter is elsewhere or another place is more likely."""
         self._ruled_out = 0
 
     @property

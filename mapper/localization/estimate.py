@@ -1,4 +1,4 @@
-"""The pose that particles stand for: their heaviest cluster, as AMCL has it."""
+"""Pose estimate from particles: their heaviest cluster, as in AMCL."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from mapper.localization.kernels.types import Bins
 
 BINS = Bins(0.5, math.pi / 18.0)  #: those of AMCL's kd-tree: 0.5 m and 10°
 TURNS = 36  #: bins of a full turn
-CONVERGED_SHARE = 0.9  #: least weight of the best cluster,
-CONVERGED_M = 0.5  #: and its largest standard deviations
+CONVERGED_SHARE = 0.9  #: minimum weight of the best cluster,
+CONVERGED_M = 0.5  #: and maximum standard deviations
 CONVERGED_RAD = math.radians(20.0)
-LOST_SHARE, LOST_TIMES = 0.5, 2.0  #: a converged filter remains so down to this share, and up to these times wider
+LOST_SHARE, LOST_TIMES = 0.5, 2.0  #: a converged filter stays so down to this weight, and up to these times wider
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
     """Estimated pose of the robot, ``T_map_base``.
 
-    ``pose`` (3,) and ``covariance`` (3, 3) are, once it ``is_converged``, those of the heaviest cluster of particles;
-    before, the covariance is that of all particles around that pose. ``share`` is the cluster's weight of 1, ``fit``
-    how well the last scan fits: 1 where each end point is on a wall. ``entropy`` is that of the histogram of poses in
-    bins of 0.5 m and 10°, bits. ``is_updated`` tells whether the last scan was used. ``is_sure`` tells whether other
-    places were ruled out (:mod:`mapper.localization.confidence`); ``contradicted`` is the share of recent readings, 0
-    to 1, that go on behind walls of the map.
+    ``pose`` (3,) and ``covariance`` (3, 3) are those of the heaviest cluster of particles; until it ``is_converged``,
+    the covariance is that of all particles around that pose. ``share`` is the cluster's weight, 0 to 1, and ``fit`` the
+    fit of the last scan: 1 if each endpoint is on a wall. ``entropy`` is that of the histogram of poses in bins of 0.5
+    m and 10°, bits. ``is_updated`` means that the last scan was used. ``is_sure`` means that other places were ruled
+    out (:mod:`mapper.localization.confidence`); ``contradicted`` is the fraction of recent readings, 0 to 1, that pass
+    through walls of the map.
     """
 
     pose: Float64Array
@@ -47,7 +47,8 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clusters:
-    """Clusters of particles: ``weight`` (k,), ``mean`` (k, 3), ``covariance`` (k, 3, 3); ``number`` (n,) of each one's.
+    """Clusters of particles: ``weight`` (k,), ``mean`` (k, 3), ``covariance`` (k, 3, 3), and ``number`` (n,) per
+    particle.
 
     ``entropy`` is that of the weights of the bins of :data:`BINS`, bits.
     """
@@ -62,7 +63,7 @@ class Clusters:
 def find_clusters(particles: Float64Array, weights: Float64Array) -> Clusters:
     """Return the clusters of ``particles`` (n, 3) with ``weights`` (n,), Σ = 1. Source: AMCL, pf_cluster_stats.
 
-    The variance of the angle is −2 ln R of the mean direction's length R (Mardia 1972).
+    The variance of the angle is −2 ln R, where R is the length of the mean direction (Mardia 1972).
     """
     n = len(particles)
     size = 1 << (2 * n - 1).bit_length()
@@ -81,9 +82,9 @@ def find_clusters(particles: Float64Array, weights: Float64Array) -> Clusters:
 
 
 def statistics(moments: Float64Array, origin: Float64Array) -> tuple[Float64Array, Float64Array]:
-    """Return means (k, 3) and covariances (k, 3, 3) of the moments that ``add_moments`` makes.
+    """Return means (k, 3) and covariances (k, 3, 3) from the moments of ``add_moments``.
 
-    x and y do not correlate with the angle here, as in AMCL.
+    x and y are uncorrelated with the angle, as in AMCL.
     """
     w = np.maximum(moments[:, 0], 1e-300)
     x, y, c, s, xx, xy, yy = (moments[:, k] / w for k in range(1, 8))
@@ -97,7 +98,7 @@ def statistics(moments: Float64Array, origin: Float64Array) -> tuple[Float64Arra
 
 
 def estimate_of(clusters: Clusters, fit: float, *, was_converged: bool, is_updated: bool) -> Estimate:
-    """Return the estimate that clusters give, of a filter that had converged before or had not."""
+    """Return the estimate from clusters, for a filter that had converged before or not."""
     best = int(np.argmax(clusters.weight))
     pose, covariance = clusters.mean[best], clusters.covariance[best]
     share = float(clusters.weight[best] / clusters.weight.sum())
@@ -114,7 +115,7 @@ def estimate_of(clusters: Clusters, fit: float, *, was_converged: bool, is_updat
 
 
 def _around(clusters: Clusters, pose: Float64Array) -> Float64Array:
-    """Return the mean squares (3, 3) of all particles around a pose."""
+    """Return the second moments (3, 3) of all particles about a pose."""
     weight = clusters.weight / clusters.weight.sum()
     off = clusters.mean - pose
     off[:, 2] = wrap_angle(off[:, 2])

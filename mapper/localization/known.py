@@ -1,4 +1,4 @@
-"""At which scans the pose of a robot that was localized in a map is known."""
+"""Scans at which the pose of a robot localised in a map is known."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 
 def known_scans(converged: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return at which scans (n,) the pose is known; at those in ``converged`` (n,) the particles agreed on one place.
+    """Return at which scans (n,) the pose is known; at those in ``converged`` (n,) the particles agree on one place.
 
-    It is known there, and before the first of them, to which it is carried back along the odometry
-    (:func:`mapper.localization.localize.carry_back`). While the robot is looked for again, and if it is never found,
-    the estimate is the middle of particles in several places.
+    It is known there, and before the first of them, because it is propagated back along the odometry
+    (:func:`mapper.localization.localize.carry_back`). While the robot is being relocalised, and if it is never
+    localised, the estimate is an average of particles in several places.
     """
     known = converged.copy()
     converged_scans = np.flatnonzero(converged)

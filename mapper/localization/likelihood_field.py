@@ -1,4 +1,4 @@
-"""The likelihood field of a map, in whole numbers, so that sums over beams do not depend on their order."""
+"""Likelihood field of a map, in integers, so that sums over beams do not depend on their order."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class LikelihoodField:
     """The field of one map for one set of parameters.
 
     ``distances`` (rows, cols) float32 are metres from the nearest occupied cell, at most ``laser_likelihood_max_dist``.
-    ``field`` has the scores: a score s is the log-likelihood ``floor`` + s · ``unit`` of a reading
-    (``likelihood_field_prob``), or its likelihood cubed (``likelihood_field``).
+    ``field`` has the scores: a score s stands for the log-likelihood ``floor`` + s · ``unit`` of a reading
+    (``likelihood_field_prob``), or for its likelihood cubed (``likelihood_field``).
     """
 
     distances: NDArray[np.float32]
@@ -34,23 +34,23 @@ class LikelihoodField:
     is_product: bool
 
     def log_weights(self, sums: NDArray[np.int64], n_beams: int) -> Float64Array:
-        """Return the log-likelihoods (n,) of a scan of ``n_beams`` beams for the sums of their scores (n,)."""
+        """Return the log-likelihoods (n,) of a scan of ``n_beams`` beams from the sums of their scores (n,)."""
         if self.is_product:
             return np.asarray(n_beams * self.floor + self.unit * sums, dtype=np.float64)
         return np.log1p(n_beams * self.floor + self.unit * sums.astype(np.float64))
 
     def fit(self, sums: NDArray[np.int64], n_beams: int) -> Float64Array:
-        """Return how well the scan fits (n,): 0 where each end point is far from all walls, 1 where each is on one."""
+        """Return the fit of the scan (n,): 0 if each endpoint is far from all walls, 1 if each is on one."""
         return np.asarray(sums / float(max(n_beams, 1) * _STEPS), dtype=np.float64)
 
 
 def occupied_cells(grid: OccupancyGrid) -> BoolArray:
-    """Return the cells (rows, cols) that are occupied, as a map server has it."""
+    """Return which cells (rows, cols) are occupied, as in map_server."""
     return np.asarray(grid.classify() == OCCUPIED)
 
 
 def beam_likelihood(distances: NDArray[np.float32], config: LocalizationConfig, range_max: float) -> Float64Array:
-    """Return p(z | x, m) of readings that end ``distances`` metres from the nearest wall: table 6.3."""
+    """Return p(z | x, m) of readings whose endpoints are ``distances`` metres from the nearest wall: table 6.3."""
     d = distances.astype(np.float64)
     hit = np.exp(-(d**2) / (2.0 * config.sigma_hit**2))
     return np.asarray(config.z_hit * hit + config.z_rand / range_max, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""A whole log localized in a map: a trajectory in the map's frame."""
+"""Localization of a whole log in a map, as a trajectory in the map's frame."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from mapper.sensors.joint_log import sensor_of_scan
 from mapper.sensors.scan import ScanLog
 
 LOCALIZED = "localized"  #: name of the trajectory
-SETTLED = 20  #: scans after convergence, of which the most certain one's pose is carried back
-BEFORE_JUMP = 5  #: scans before such a jump at which the robot may have been elsewhere already
+SETTLED = 20  #: scans after convergence, of which the most certain pose is propagated back
+BEFORE_JUMP = 5  #: scans before such a jump at which the robot may already have been elsewhere
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Localized:
-    """Estimated poses at each scan, in the log's order.
+    """Estimated poses at each scan, in log order.
 
-    ``poses`` (n, 3) are ``T_map_base``, before the filter first converged those that the odometry leads back to from
-    there (:func:`carry_back`); ``covariance`` (n, 3, 3) that of x, y and yaw, of all particles before the
-    filter ``is_converged`` (n,); ``share`` (n,) is the weight of the heaviest cluster, ``fit`` (n,) how well the last
-    scan that was used fits, ``n_particles`` (n,) how many there were, ``entropy`` (n,) that of their histogram, bits,
-    and ``is_updated`` (n,) whether the scan was used. ``odometry`` names the trajectory that was used. ``is_sure`` (n,)
-    tells where other places were ruled out, by the scans up to then or by later ones (:func:`confirmed`).
+    ``poses`` (n, 3) are ``T_map_base``; before the filter first converged, they are propagated back along the odometry
+    (:func:`carry_back`). ``covariance`` (n, 3, 3) is that of x, y and yaw, of all particles before the filter
+    ``is_converged`` (n,). ``share`` (n,) is the weight of the heaviest cluster, ``fit`` (n,) the fit of the last used
+    scan, ``n_particles`` (n,) the number of particles, ``entropy`` (n,) that of their histogram, bits, and
+    ``is_updated`` (n,) whether the scan was used. ``odometry`` is the trajectory used. ``is_sure`` (n,) means that
+    other places were ruled out, by the scans up to then or by later ones (:func:`confirmed`).
     """
 
     poses: Float64Array
@@ -54,22 +54,21 @@ class Localized:
 
     @property
     def is_known(self) -> NDArray[np.bool_]:
-        """At which scans (n,) the pose is known (:func:`mapper.localization.known.known_scans`); maps have those."""
+        """At which scans (n,) the pose is known (:func:`mapper.localization.known.known_scans`); maps contain those."""
         return known_scans(self.is_converged)
 
     @property
     def first_converged(self) -> int | None:
-        """The first scan from which on the filter had converged; None if it never had."""
+        """The first scan at which the filter had converged; None if it never did."""
         converged_scans = np.flatnonzero(self.is_converged)
         return int(converged_scans[0]) if len(converged_scans) else None
 
 
 def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
-    """Return the trajectory that is the odometry: ``trajectory``, or one that tells so, or the log's first.
+    """Return the odometry trajectory: ``trajectory``, else one identified as odometry, else the log's first.
 
-    A frame that ends in ``odom`` tells it, or else a name that contains that.
-
-    Raises :class:`ConfigError` for a log without odometry.
+    It is identified by a frame that ends in ``odom``, or else by a name that contains it. Raises :class:`ConfigError`
+    for a log without odometry.
     """
     if trajectory is not None:
         moving = [trajectory] if not log.trajectory(trajectory).is_placeholder else []
@@ -98,13 +97,13 @@ def localize_log(
     may_continue: Callable[[], bool] | None = None,
     watch: Callable[[int, MonteCarloLocalizer], None] | None = None,
 ) -> Localized:
-    """Return where in a map the robot was at each scan of a log, by the odometry ``trajectory`` and the scans.
+    """Return the robot's pose in a map at each scan of a log, from the odometry ``trajectory`` and the scans.
 
-    The scans of a :class:`mapper.sensors.joint_log.JointLog` are of several sensors, each with its mount.
-    Without an ``initial_pose`` (3,) the filter starts everywhere. ``progress`` is called with the share that is done,
-    ``may_continue`` now and then: False raises :class:`WorkCancelledError`; ``watch`` with the number of each scan and
-    the filter after it. Raises :class:`ConfigError` for a log without scans or odometry, a map without free or occupied
-    cells, and a pose outside it.
+    The scans of a :class:`mapper.sensors.joint_log.JointLog` belong to several sensors, each with its mount. Without an
+    ``initial_pose`` (3,) the filter starts everywhere. ``progress`` is called with the fraction done; ``may_continue``
+    is called from time to time, and False raises :class:`WorkCancelledError`; ``watch`` is called with the index of
+    each scan and the filter after it. Raises :class:`ConfigError` for a log without scans or odometry, a map without
+    free or occupied cells, and a pose outside it.
     """
     began = time.process_time()
     config = config or LocalizationConfig()
@@ -145,11 +144,11 @@ def localize_log(
 def confirmed(
     poses: Float64Array, odometry: Float64Array, converged: NDArray[np.bool_], sure: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Return at which scans (n,) the place is sure in hindsight; ``sure`` (n,) are those at which the filter was.
+    """Return at which scans (n,) the place is sure in hindsight; ``sure`` (n,) are those at which the filter was sure.
 
-    As long as the estimates ``poses`` (n, 3) move as the ``odometry`` (n, 3) does, and the filter has ``converged``
-    (n,), they are of one place: what confirms it later confirms it for the scans before. Where the estimate jumps, the
-    robot may have been elsewhere for some scans before.
+    While the estimates ``poses`` (n, 3) move like the ``odometry`` (n, 3), and the filter has ``converged`` (n,), they
+    belong to one place, so a later confirmation also applies to the scans before. If the estimate jumps, the robot may
+    have been elsewhere for some scans before.
     """
     out = np.zeros(len(poses), dtype=np.bool_)
     expected = compose(poses[:-1], compose(inverse(odometry[:-1]), odometry[1:]))
@@ -167,11 +166,11 @@ def confirmed(
 def carry_back(
     poses: Float64Array, odometry: Float64Array, covariance: Float64Array, converged: NDArray[np.bool_]
 ) -> None:
-    """Replace the poses (n, 3) before the filter converged by that at which it had, carried back along the odometry.
+    """Replace the poses (n, 3) before convergence by the converged pose, propagated back along the odometry.
 
-    Before that its estimates are the middle of particles all over the map, where the robot never was. It is carried
-    from the most certain of the first :data:`SETTLED` scans after convergence. Where it never converged nothing is
-    changed.
+    The earlier estimates are averages of particles all over the map, where the robot never was. The starting pose is
+    the most certain of the first :data:`SETTLED` scans after convergence. If the filter never converged, nothing
+    changes.
     """
     converged_scans = np.flatnonzero(converged)
     if not len(converged_scans) or converged_scans[0] == 0:
@@ -183,7 +182,7 @@ def carry_back(
 
 
 def covariance_lines(log: ScanLog, result: Localized) -> list[str]:
-    """Return a table as comma-separated text: a line for each scan with how certain its pose is."""
+    """Return a table as comma-separated text, one line for each scan with the uncertainty of its pose."""
     lines = ["scan,stamp_ns,converged,sure,share,fit,particles,xx,xy,xyaw,yy,yyaw,yawyaw\n"]
     for i in range(log.n_scans):
         c = result.covariance[i]

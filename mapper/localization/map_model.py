@@ -1,4 +1,4 @@
-"""Model of a map for localization, computed once: the likelihood field, the occupied and the free cells."""
+"""Model of a map for localization, computed once: likelihood field, occupied and free cells."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mapper.localization.parameters import LocalizationConfig
 
 @dataclass(frozen=True, slots=True)
 class MapModel:
-    """One map for one set of parameters; filters may share it.
+    """One map for one set of parameters; can be shared between filters.
 
     ``free_cells`` (m,) int64 are row · columns + column of the cells in which a robot may be.
     """
@@ -43,7 +43,7 @@ def check_pose(geometry: GridGeometry, pose: ArrayLike) -> NDArray[np.float64]:
 
 
 def map_model(grid: OccupancyGrid, config: LocalizationConfig, range_max: float) -> MapModel:
-    """Return what localization needs of a map; ``range_max``, metres, is the longest range that is used.
+    """Return the model of a map for localization; ``range_max``, metres, is the maximum range used.
 
     Raises :class:`ConfigError` for a map without free or without occupied cells.
     """

@@ -1,9 +1,9 @@
-"""Monte Carlo localization: a filter that takes odometry and scans, and says where in the map the robot is.
+"""Monte Carlo localization: a particle filter on odometry and scans.
 
-Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. What neither has: many particles until
-the filter has converged, likelihoods that are scaled down where a scan would leave too few effective particles, sensor
-resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan, and an alternative: a
-second filter elsewhere in the map, which is tested against the first (:mod:`mapper.localization.alternative`).
+Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. Beyond these: many particles until the
+filter has converged, likelihoods that are scaled down if a scan would leave too few effective particles, sensor
+resetting (Lenser and Veloso 2000), which draws particles from the likelihood of a scan, and an alternative: a second
+filter elsewhere in the map that is tested against the first (:mod:`mapper.localization.alternative`).
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ from mapper.localization.weighing import (
 )
 from mapper.sensors.scan import RangeScan
 
-INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of a given pose, as AMCL's initial_cov
+INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of an initial pose, AMCL's initial_cov
 _MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD, _ALTERNATIVE = range(7)  #: purposes of random numbers
-_STAGE = 16  #: between the purposes of two stages of one scan
+_STAGE = 16  #: offset between the purposes of two stages of one scan
 
 
 def bandwidth(n: int, dimensions: int = 3) -> float:
-    """Return the bandwidth of a Gaussian kernel density estimate of n samples, in standard deviations of them.
+    """Return the bandwidth of a Gaussian kernel density estimate of n samples, in units of their standard deviation.
 
-    It is the one that is best for a normal density. Source: Silverman 1986, Density Estimation, section 4.3.2.
+    It is optimal for a normal density. Source: Silverman 1986, Density Estimation, section 4.3.2.
     """
     d = dimensions
     return float((4.0 / (n * (d + 2.0))) ** (1.0 / (d + 4.0)))
@@ -56,8 +56,8 @@ class MonteCarloLocalizer:
     """A particle filter on one map.
 
     ``particles`` (n, 3) are ``T_map_base`` and ``weights`` (n,) sum to 1; :meth:`set_particles` replaces them.
-    ``weighed`` are those that the estimate is of: after the newest scan, before particles were resampled. The same
-    seed and calls give the same particles, whatever the number of threads.
+    ``weighed`` are the particles used for the estimate: after the newest scan, before resampling. The same seed and
+    calls produce the same particles, regardless of the number of threads.
     """
 
     def __init__(
@@ -72,23 +72,24 @@ class MonteCarloLocalizer:
         particles: ArrayLike | None = None,
         seed: int = 0,
     ) -> None:
-        """Make a filter for scans of a sensor at ``mount``, ``T_base_laser``, that measures to ``range_max`` m.
+        """Create a filter for scans of a sensor at ``mount``, ``T_base_laser``, with a maximum range of ``range_max``
+        m.
 
-        It starts around an ``initial_pose`` (3,), or with ``particles`` (n, 3); without either, everywhere. ``grid``
-        may be the :class:`MapModel` of another filter with the same parameters of the sensor. Raises
-        :class:`ConfigError` for a map without free or occupied cells, and a pose that is not in it.
+        It starts around an ``initial_pose`` (3,), or with ``particles`` (n, 3), or otherwise everywhere. ``grid`` may
+        be the :class:`MapModel` of another filter with the same sensor parameters. Raises :class:`ConfigError` for a
+        map without free or occupied cells, and a pose outside the map.
         """
         self.config = config or LocalizationConfig()
         _, longest = limits_of(self.config, range_min, range_max)
         self.model = grid if isinstance(grid, MapModel) else map_model(grid, self.config, longest)
         self.mount, self.seed = mount, seed
-        self.n_updates = 0  #: scans that were used
-        self.log_evidence = 0.0  #: log p(z | the scans before) of the newest scan, up to the constant of all poses
+        self.n_updates = 0  #: number of scans used
+        self.log_evidence = 0.0  #: log p(z | the scans before) of the newest scan, up to a constant common to all poses
         self._longest = longest
-        self._odometry: tuple[float, float, float] | None = None  # at the last scan that was used
-        self._due: dict[int, bool] = {}  # of each sensor, whether its next scan is used
+        self._odometry: tuple[float, float, float] | None = None  # at the last scan used
+        self._due: dict[int, bool] = {}  # for each sensor, whether its next scan is used
         self._steps = 0
-        self._kept = 1.0  # share of effective particles that the stages of the newest scan but the last have left
+        self._kept = 1.0  # fraction of effective particles left by all stages of the newest scan except the last
         if initial_pose is not None:
             self.start_at(initial_pose)
         elif particles is not None:
@@ -101,10 +102,7 @@ class MonteCarloLocalizer:
         self._begin(anywhere(self.model, int(self.config.global_particles), self._key(_START)))
 
     def start_at(self, pose: ArrayLike) -> None:
-        """Spread the particles by :data:`INITIAL_COVARIANCE` around a pose (3,).
-
-        Raises :class:`ConfigError` for a pose outside the map.
-        """
+        """Sample the particles around a pose (3,) with :data:`INITIAL_COVARIANCE`."""
         place = check_pose(self.model.geometry, pose)
         self._begin(around(place, INITIAL_COVARIANCE, int(self.config.max_particles), self._key(_START)))
 
@@ -137,17 +135,17 @@ class MonteCarloLocalizer:
         self._base = tuple(self.estimate.pose.tolist())
 
     def update(self, odometry: ArrayLike, scan: RangeScan) -> Estimate:
-        """Take the odometry's pose (3,), ``T_odom_base``, at a scan, and the scan; return where the robot is.
+        """Process the odometry's pose (3,), ``T_odom_base``, at a scan, and the scan; return the estimate.
 
-        The scan is used once the robot moved by ``update_min_d`` or turned by ``update_min_a``; before, the odometry
-        carries the estimate on. Raises :class:`ConfigError` for odometry that is not finite.
+        The scan is used once the robot has moved by ``update_min_d`` or turned by ``update_min_a``; until then the
+        odometry propagates the estimate. Raises :class:`ConfigError` for odometry that is not finite.
         """
         return self.update_beams(odometry, scan_beams(scan, self.mount, self.config))
 
     def update_beams(self, odometry: ArrayLike, scan: ScanBeams, sensor: int = 0) -> Estimate:
-        """As :meth:`update`, of a scan whose beams are chosen (:func:`scan_beams`), by one of several sensors.
+        """Like :meth:`update`, for a scan with selected beams (:func:`scan_beams`) from one of several sensors.
 
-        Once the robot moved far enough, the next scan of each ``sensor`` is used. Source: AMCL, laserReceived.
+        Once the robot has moved far enough, the next scan of each ``sensor`` is used. Source: AMCL, laserReceived.
         """
         now = np.asarray(odometry, dtype=np.float64)
         if now.shape != (3,) or not np.isfinite(now).all():
@@ -170,13 +168,13 @@ class MonteCarloLocalizer:
     def _moved_by_odometry(self, moved: tuple[float, float, float], scan: ScanBeams) -> Estimate:
         pose = np.array(compose_one(self._base, moved))
         self.estimate = replace(self.estimate, pose=pose, is_updated=False)
-        if self.config.reset_below > 0.0:  # a scan that weighs nothing tells too that the robot was carried away
+        if self.config.reset_below > 0.0:  # a scan without weight also indicates that the robot was moved
             self._confidence.glance(*unexplained_shares(self.model, scan, pose))
             self._tell_confidence()
         return self.estimate
 
     def predict(self, before: Float64Array, after: Float64Array) -> None:
-        """Move the particles as the odometry moved from ``before`` to ``after``, both (3,), with errors."""
+        """Move the particles by the odometry's motion from ``before`` to ``after``, both (3,), with noise."""
         self._steps += 1
         self._base = compose_one(self._base, between_one(before.tolist(), after.tolist()))
         move(self.particles, motion_between(before, after, self.config), self._key(_MOVE))
@@ -184,7 +182,7 @@ class MonteCarloLocalizer:
             self._alternative.robot.predict(before, after)
 
     def correct(self, scan: ScanBeams) -> None:
-        """Weigh the particles by a scan, set the estimate, and resample the particles where it is time."""
+        """Weight the particles by a scan, set the estimate, and resample the particles if due."""
         self._steps += 1
         self.n_updates += 1
         fit, random_share = 0.0, 0.0
@@ -200,7 +198,7 @@ class MonteCarloLocalizer:
         if self._is_time():
             self._resample()
         else:
-            self.particles = self.particles.copy()  # they move in place
+            self.particles = self.particles.copy()  # they are modified in place
         if random_share > 0.0:
             self._scatter(random_share)
         if len(scan.points):
@@ -211,7 +209,7 @@ class MonteCarloLocalizer:
             self._judge(scan, expected)
 
     def _judge(self, scan: ScanBeams, expected: Float64Array) -> None:
-        """Say whether the filter is sure of its place, of which the odometry led to ``expected`` (3,)."""
+        """Determine whether the filter is sure of its place; the odometry predicted ``expected`` (3,)."""
         confidence, estimate = self._confidence, self.estimate
         confidence.look(*unexplained_shares(self.model, scan, estimate.pose))
         other = self._alternative
@@ -230,14 +228,16 @@ class MonteCarloLocalizer:
         self.estimate = replace(estimate, is_sure=is_sure, contradicted=confidence.contradicted)
 
     def reconfigure(self, config: LocalizationConfig, model: MapModel) -> None:
-        """Go on with other parameters, and with the map for those of the sensor. The particles stay."""
+        """Continue with other parameters, and with the map for the sensor's parameters. The particles are kept."""
         self.config, self.model = config, model
         self._recovery = Recovery(config, is_searched=self._recovery.is_searched)
         self._alternative = None
         self._confidence = Confidence()
 
     def weights_by(self, scan: ScanBeams) -> Float64Array:
-        """Return the weights (n,), Σ = 1, that a scan alone gives the particles of ``weighed``; nothing changes."""
+        """Return the weights (n,), Σ = 1, that a scan alone assigns to the particles of ``weighed``; nothing
+        changes.
+        """
         poses = self.weighed[0]
         logs = log_likelihoods(self.model, scan, poses, scan_sums(self.model, scan, poses), self.config)
         flat = np.full(len(poses), 1.0 / len(poses))
@@ -245,12 +245,12 @@ class MonteCarloLocalizer:
         return normalised((tempering(flat, logs, least) if least > 0.0 else 1.0) * logs)
 
     def _weigh(self, scan: ScanBeams) -> tuple[NDArray[np.int64], Float64Array]:
-        """Weigh the particles by a scan, in stages where its likelihood is scaled down.
+        """Weight the particles by a scan, in stages if its likelihood is scaled down.
 
-        Return the sums of the scores at the particles, and the log-likelihoods at those from before. Each stage takes
-        as much of the likelihood as :func:`tempering` allows; between two, particles are resampled and spread as their
-        heaviest cluster is, times the bandwidth of a kernel density estimate. Sources: Del Moral, Doucet and Jasra
-        2012 (stages), Musso, Oudjane and Le Gland 2001 (the regularised particle filter).
+        Return the sums of the scores at the particles, and the log-likelihoods at the previous ones. Each stage applies
+        as much of the likelihood as :func:`tempering` allows. Between stages, particles are resampled and perturbed
+        with the covariance of their heaviest cluster times the bandwidth of a kernel density estimate. Sources: Del
+        Moral, Doucet and Jasra 2012 (stages), Musso, Oudjane and Le Gland 2001 (the regularised particle filter).
         """
         config, left, self._kept = self.config, 1.0, 1.0
         stages = int(config.annealing_stages) if len(self.particles) <= config.max_particles else 1
@@ -275,7 +275,7 @@ class MonteCarloLocalizer:
         return sums, first
 
     def _spread(self, stage: int) -> None:
-        """Resample as many particles, and move each a little."""
+        """Resample the same number of particles, and perturb each."""
         n = len(self.particles)
         clusters = find_clusters(self.particles, self.weights)
         covariance = bandwidth(n) ** 2 * clusters.covariance[int(np.argmax(clusters.weight))]
@@ -298,17 +298,17 @@ class MonteCarloLocalizer:
         self.weights = np.full(len(self.particles), 1.0 / len(self.particles))
 
     def _scatter(self, share: float) -> None:
-        """Replace a share of the particles by ones drawn from all free space: augmented MCL."""
+        """Replace a fraction of the particles by ones drawn from all free space: augmented MCL."""
         count = round(share * len(self.particles))
         if count:
             places = np.linspace(0, len(self.particles) - 1, count).astype(np.int64)
             self.particles[places] = anywhere(self.model, count, self._key(_REPLACE))
 
     def _compare(self, scan: ScanBeams, fit: float) -> None:
-        """Compare how a scan fits with how it fits all over the map, and add particles drawn from its likelihood.
+        """Compare the fit of a scan with its fit all over the map, and add particles drawn from its likelihood.
 
-        Where it fits much worse, the filter has lost the robot as likely as not: they get half of the weight. Before it
-        has converged they get a little, as in mixture MCL (Thrun, Fox, Burgard and Dellaert 2001).
+        If it fits much worse, the filter has probably lost the robot, and the added particles get half of the weight.
+        Before convergence they get a little, as in mixture MCL (Thrun, Fox, Burgard and Dellaert 2001).
         """
         count = int(self.config.global_particles)
         places = anywhere(self.model, count, self._key(_RESET))
@@ -324,7 +324,7 @@ class MonteCarloLocalizer:
             self._begin_alternative(scan, places, sums)
 
     def _begin_alternative(self, scan: ScanBeams, places: Float64Array, sums: NDArray[np.int64]) -> None:
-        """Begin an alternative on the likeliest ones of ``places`` (n, 3) that are apart from where the filter is."""
+        """Start an alternative on the most likely of ``places`` (n, 3) that are apart from the filter."""
         apart = ~near(places, self.estimate.pose)
         if not apart.any():
             return
@@ -339,19 +339,19 @@ class MonteCarloLocalizer:
         self._alternative = Alternative(robot)
 
     def _likely(self, scan: ScanBeams, places: Float64Array, sums: NDArray[np.int64], count: int) -> Float64Array:
-        """Return ``count`` poses drawn from ``places`` (n, 3) by a scan's likelihood, scaled down; ``sums`` (n,)."""
+        """Return ``count`` poses drawn from ``places`` (n, 3) by a scan's tempered likelihood; ``sums`` (n,)."""
         logs = log_likelihoods(self.model, scan, places, sums, self.config)
         flat = np.full(len(places), 1.0 / len(places))
         weights = normalised(tempering(flat, logs, max(self.config.least_effective, 0.01)) * logs)
         return places[drawn(weights, count, self._uniform(_REPLACE))]
 
     def _add(self, particles: Float64Array, weights: Float64Array) -> None:
-        """Add particles (n, 3) with weights (n,); those that there are share the rest."""
+        """Add particles (n, 3) with weights (n,); the existing ones share the rest."""
         self.particles = np.concatenate([self.particles, particles])
         self.weights = np.concatenate([(1.0 - float(weights.sum())) * self.weights, weights])
 
     def _test_alternative(self, scan: ScanBeams) -> None:
-        """Weigh the alternative by a scan, and add its particles to the filter's where the test decides for it."""
+        """Weight the alternative by a scan, and add its particles to the filter's if the test decides for it."""
         alternative = self._alternative
         if alternative is None:
             return

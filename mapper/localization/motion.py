@@ -1,4 +1,4 @@
-"""Motions by odometry as the compiled functions take them."""
+"""Odometry motions in the form that the compiled functions use."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from mapper.localization.map_model import MapModel
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.weighing import parts
 
-LEAST_DISTANCE = 0.01  #: metres: of a shorter motion the direction is noise, and the first turn is 0, as in AMCL
+LEAST_DISTANCE = 0.01  #: metres: the direction of a shorter motion is noise, and the first turn is 0, as in AMCL
 _MASK = (1 << 64) - 1
 
 
 def key_of(seed: int, step: int, purpose: int) -> int:
-    """Return the key of the random numbers of one purpose in one step, 62 bits (SplitMix64; Steele et al. 2014)."""
+    """Return the random number key of one purpose in one step, 62 bits (SplitMix64; Steele et al. 2014)."""
     word = (seed * 0x9E3779B97F4A7C15 + step * 0xD1B54A32D192ED03 + purpose * 0x8CB92BA72F3D8DD7) & _MASK
     word = ((word ^ (word >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
     word = ((word ^ (word >> 27)) * 0x94D049BB133111EB) & _MASK
@@ -29,7 +29,7 @@ def key_of(seed: int, step: int, purpose: int) -> int:
 
 
 def motion_between(before: Float64Array, after: Float64Array, config: LocalizationConfig) -> Motion:
-    """Return the motion between two poses (3,) of the odometry, with the errors that ``alpha1`` … ``alpha5`` say."""
+    """Return the motion between two poses (3,) of the odometry, with the errors of ``alpha1`` … ``alpha5``."""
     alphas = config.alpha1, config.alpha2, config.alpha3, config.alpha4
     if config.robot_model_type == "omni":
         x, y, turn = between_one(tuple(before.tolist()), tuple(after.tolist()))
@@ -59,8 +59,8 @@ def _deviations(
 ) -> tuple[float, float, float]:
     """Return the standard deviations of turn, distance and turn. Table 5.6, lines 5 to 7.
 
-    A turn counts from straight on or from straight back, whichever is nearer, as in AMCL: driving backwards is no half
-    turn.
+    A turn counts from straight forward or straight back, whichever is nearer, as in AMCL, so that driving backwards is
+    not a half turn.
     """
     a1, a2, a3, a4 = alphas
     turn_1, distance, turn_2 = control

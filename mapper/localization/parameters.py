@@ -1,7 +1,7 @@
-"""The one table of parameters of localization, and one value for each row.
+"""Table of localization parameters, and a config with one value for each row.
 
-Names and first values are those of Nav2's AMCL (docs.nav2.org, "AMCL"), of which ``laser_max_beams`` is called
-``max_beams`` there. Rows of the groups "global start" and "recovery" that AMCL lacks are this project's own.
+Names and initial values are those of Nav2's AMCL (docs.nav2.org, "AMCL"), where ``laser_max_beams`` is called
+``max_beams``. Rows of the groups "global start" and "recovery" that AMCL lacks are specific to this project.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ _WHOLE = (
 
 @dataclass(frozen=True, slots=True)
 class LocalizationConfig:
-    """One value for each row of :data:`PARAMETERS`; each field states its unit and meaning.
+    """Values of all rows of :data:`PARAMETERS`; each field states its unit and meaning.
 
-    Raises :class:`ConfigError` naming the parameter that is refused.
+    Raises :class:`ConfigError` naming the invalid parameter.
     """
 
     # fmt: off
@@ -197,7 +197,7 @@ class LocalizationConfig:
             )
 
     def with_values(self, values: Mapping[str, Any]) -> LocalizationConfig:
-        """Return the config with these values replaced. Raises :class:`ConfigError` for a name or a value."""
+        """Return the config with these values replaced. Raises :class:`ConfigError` for an invalid name or value."""
         return with_values(self, values, "localization parameter")
 
 

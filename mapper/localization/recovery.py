@@ -8,12 +8,12 @@ from mapper.core.array_types import Float64Array
 from mapper.localization.estimate import LOST_SHARE
 from mapper.localization.parameters import LocalizationConfig
 
-RATE = 0.4  #: of the average of how a scan fits, beside how it fits best anywhere
-#: Scans that are compared before the first reset, and at most before a later one: each reset doubles their number,
-#: each scan that fits takes one off.
+RATE = 0.4  #: of the moving average of the fit of scans relative to the best fit anywhere
+#: Number of comparisons before the first reset, and its maximum before later ones: each reset doubles it, and each scan
+#: that fits reduces it by one.
 PATIENCE, MOST_PATIENCE = 4, 64
-INTERVAL = 2  #: updates from one comparison to the next
-LOST, SEARCHING = 0.5, 0.1  #: weight of the particles that are added: once the robot is lost, and while it is searched
+INTERVAL = 2  #: updates between two comparisons
+LOST, SEARCHING = 0.5, 0.1  #: weight of added particles: when the robot is lost, and while it is being searched
 
 
 def averaged(average: float, slow: float, fast: float, config: LocalizationConfig) -> tuple[float, float]:
@@ -24,10 +24,10 @@ def averaged(average: float, slow: float, fast: float, config: LocalizationConfi
 
 
 class Recovery:
-    """Averages of how well scans fit compared with other poses in the map, and of the weights (augmented MCL).
+    """Moving averages of the relative fit of scans, and of the weights (augmented MCL).
 
-    The robot ``is_searched`` from a start without a hint, from a reset, or from when no cluster has half of the weight,
-    until the filter has converged. A filter that only gets wider, as in a long corridor, has not lost it.
+    The robot ``is_searched`` from a global start, from a reset, or from when no cluster has half of the weight, until
+    the filter has converged. A filter that only becomes wider, as in a long corridor, has not lost the robot.
     """
 
     def __init__(self, config: LocalizationConfig, *, is_searched: bool) -> None:
@@ -47,9 +47,9 @@ class Recovery:
     def added_weight(self, fit: float, best: float, *, is_converged: bool, share: float = 1.0) -> float:
         """Return the weight of particles to add that are drawn from the likelihood of a scan; 0 for none.
 
-        ``fit`` is how it fits the particles, ``best`` how it fits at the best of many poses. While the robot is
-        searched there may be no particle near it, however well some fit: a few are added in any case. ``share`` is
-        the weight of the heaviest cluster.
+        ``fit`` is the scan's fit at the particles, ``best`` its fit at the best of many poses. While the robot is
+        searched, there may be no particle near it even if some fit well, so a few are always added. ``share`` is the
+        weight of the heaviest cluster.
         """
         self.is_searched = not is_converged and (self.is_searched or share < LOST_SHARE)
         if self.is_searched:
@@ -61,17 +61,17 @@ class Recovery:
             return 0.0
         if self._compared < self._patience:
             return 0.0
-        # Where no pose explains the scans well, resets find the robot where it was: they become rare.
+        # If no pose explains the scans well, resets return to the same place and become rare.
         self.is_searched = True
         self._ratio, self._compared = 1.0, 0
         self._patience = min(2 * self._patience, MOST_PATIENCE)
         return LOST
 
     def random_share(self, log_likelihoods: Float64Array, n_beams: int) -> float:
-        """Return the share of random particles that augmented MCL adds after a scan, 0 where it is off.
+        """Return the fraction of random particles that augmented MCL adds after a scan, 0 if it is disabled.
 
-        The averages begin again where it is above 0, as in AMCL. They are of the n-th root of the product of n beams: a
-        product changes by orders of magnitude from scan to scan.
+        The averages are reset when it is above 0, as in AMCL. They are of the n-th root of the product of n beams,
+        because the product changes by orders of magnitude between scans.
         """
         config = self._config
         if config.recovery_alpha_slow == 0.0:

@@ -1,4 +1,4 @@
-"""Particles resampled by their weights, as many as their spread needs."""
+"""Resampling of particles by weight, with a number that depends on their spread."""
 
 from __future__ import annotations
 
@@ -15,21 +15,23 @@ from mapper.localization.weighing import effective_number
 
 
 def drawn(weights: Float64Array, count: int, u: float) -> NDArray[np.int64]:
-    """Return which particles (count,) are drawn for ``weights`` (n,), Σ = 1, and a random 0 ≤ ``u`` < 1."""
+    """Return the indices (count,) of particles drawn by ``weights`` (n,), Σ = 1, for a random 0 ≤ ``u`` < 1."""
     out = np.empty(count, dtype=np.int64)
     low_variance(weights, u / count, out)
     return out
 
 
 def number_of_bins(particles: Float64Array, chosen: NDArray[np.int64]) -> int:
-    """Return how many bins of poses the ``chosen`` (m,) of ``particles`` (n, 3) fill."""
+    """Return the number of pose bins that the ``chosen`` (m,) of ``particles`` (n, 3) fill."""
     size = 1 << (2 * len(chosen) - 1).bit_length()
     table, numbers = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
     return fill_bins(particles, chosen, BINS, table, numbers, np.empty(len(chosen), dtype=np.int64))
 
 
 def kld_number(k: int, error: float, quantile: float) -> float:
-    """Return how many particles ``k`` bins need for a distance of ``error``, at a normal quantile. Equation (8.11)."""
+    """Return the number of particles that ``k`` bins need for a KL distance of ``error``, at a normal quantile. Eq.
+    (8.11).
+    """
     if k < 2:
         return 0.0
     a = 2.0 / (9.0 * (k - 1))
@@ -41,11 +43,11 @@ def resampled(
 ) -> Float64Array:
     """Return particles (m, 3) drawn from ``particles`` (n, 3) with ``weights`` (n,), by low variance.
 
-    m is what the KLD bound needs for the bins that as many draws as there were particles fill, at least
-    ``min_particles``, divided by the share of effective particles, at most ``most``: draws that are copies of few
-    particles stand for a belief as badly as those few (Straka and Šimandl 2006, Particle filter adaptation based on
-    efficient sample size). ``kept`` is the share that earlier stages of the same scan have left. Table 8.4 counts the
-    bins while it draws; here they are counted over one low-variance draw.
+    m is the KLD bound for the number of bins filled by n draws, at least ``min_particles``, divided by the fraction of
+    effective particles, and at most ``most``: copies of few particles represent a belief as badly as those few (Straka
+    and Šimandl 2006, Particle filter adaptation based on efficient sample size). ``kept`` is the fraction left by
+    earlier stages of the same scan. Table 8.4 counts the bins while drawing; here they are counted over one
+    low-variance draw.
     """
     chosen = drawn(weights, len(weights), u)
     needed = kld_number(number_of_bins(particles, chosen), config.pf_err, config.pf_z)

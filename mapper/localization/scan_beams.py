@@ -1,4 +1,4 @@
-"""Beams of a scan that localization uses, and their end points."""
+"""Beams of a scan used for localization, and their endpoints."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from mapper.sensors.scan import RangeScan
 
 @dataclass(frozen=True, slots=True)
 class ScanBeams:
-    """The beams that are used: ``points`` (k, 2), the end points in the base's frame of those that measured something.
+    """The beams used; ``points`` (k, 2) are the endpoints, in the base's frame, of those with a measurement.
 
-    ``beams`` (m, 2) are range, at most ``range_max``, and bearing in the base's frame of all that are used, those
-    without return too; ``sensor`` (2,) is where they start in it. Metres and radians.
+    ``beams`` (m, 2) are range, at most ``range_max``, and bearing in the base's frame of all used beams, including
+    those without return; ``sensor`` (2,) is their origin in it. Metres and radians.
     """
 
     points: Float64Array
@@ -27,9 +27,9 @@ class ScanBeams:
 
 
 def limits_of(config: LocalizationConfig, range_min: float, range_max: float) -> tuple[float, float]:
-    """Return the shortest and the longest range that are used, of a sensor with these limits, metres.
+    """Return the minimum and maximum range used, for a sensor with these limits, metres.
 
-    Raises :class:`ConfigError` where nothing is between them.
+    Raises :class:`ConfigError` if the interval is empty.
     """
     low = range_min if config.laser_min_range < 0.0 else max(range_min, config.laser_min_range)
     high = range_max if config.laser_max_range < 0.0 else min(range_max, config.laser_max_range)
@@ -43,9 +43,9 @@ def limits_of(config: LocalizationConfig, range_min: float, range_max: float) ->
 
 
 def scan_beams(scan: RangeScan, mount: tuple[float, float, float], config: LocalizationConfig) -> ScanBeams:
-    """Return the beams of a scan by a sensor at ``mount``, ``T_base_laser``, of which ``laser_max_beams`` are wanted.
+    """Return about ``laser_max_beams`` beams of a scan by a sensor at ``mount``, ``T_base_laser``.
 
-    Each n-th is taken, as AMCL does; readings that are invalid or too short are left out.
+    Every n-th beam is used, as in AMCL; readings that are invalid or too short are ignored.
     """
     low, high = limits_of(config, scan.range_min, scan.range_max)
     n = len(scan.ranges)

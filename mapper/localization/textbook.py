@@ -1,7 +1,7 @@
-"""Monte Carlo localization in plain NumPy, as Probabilistic Robotics prints it: what the compiled one is compared with.
+"""Monte Carlo localization in plain NumPy, as in Probabilistic Robotics: the reference for the compiled version.
 
-Source: Thrun, Burgard and Fox 2005, chapters 4, 5, 6 and 8. Random numbers are arguments, so that each function has one
-result. Poses are (3,), particles (n, 3), metres and radians.
+Source: Thrun, Burgard and Fox 2005, chapters 4, 5, 6 and 8. Random numbers are arguments, so that functions are
+deterministic. Poses are (3,), particles (n, 3), metres and radians.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ Alphas = tuple[float, float, float, float]
 def odometry_control(before: Float64Array, after: Float64Array) -> tuple[float, float, float]:
     """Return turn, distance and turn (rad, m, rad) between two poses of the odometry. Table 5.6, lines 2 to 4.
 
-    The plane is that of complex numbers: a pose is a place and a unit number that points ahead, and turns are quotients
-    of directions. Below 1 cm the direction of the distance is noise: the first turn is 0 then, as in AMCL.
+    Computed with complex numbers: a direction is a unit number, and turns are quotients of directions. Below 1 cm the
+    direction of the distance is noise, and the first turn is 0, as in AMCL.
     """
     heading, next_heading = np.exp(1j * before[2]), np.exp(1j * after[2])
     step = complex(after[0] - before[0], after[1] - before[1])
@@ -37,7 +37,7 @@ def odometry_control(before: Float64Array, after: Float64Array) -> tuple[float, 
 def odometry_sigmas(control: tuple[float, float, float], alphas: Alphas) -> Float64Array:
     """Return the standard deviations (3,) of turn, distance and turn. Table 5.6, lines 5 to 7.
 
-    A turn counts from the nearest multiple of a half turn, as in AMCL: driving backwards is none.
+    A turn counts from the nearest multiple of a half turn, as in AMCL, so that driving backwards is not a turn.
     """
     turns = np.array([math.remainder(control[0], math.pi), math.remainder(control[2], math.pi)]) ** 2
     a1, a2, a3, a4 = alphas
@@ -48,7 +48,7 @@ def odometry_sigmas(control: tuple[float, float, float], alphas: Alphas) -> Floa
 def sample_motion_model_odometry(
     control: tuple[float, float, float], sigmas: Float64Array, pose: Float64Array, normals: Float64Array
 ) -> Float64Array:
-    """Return a pose after a motion. Table 5.6, lines 5 to 11, with ``sample(σ²)`` = σ · one of ``normals`` (3,)."""
+    """Sample a pose after a motion. Table 5.6, lines 5 to 11, with ``sample(σ²)`` = σ · one of ``normals`` (3,)."""
     turn_1, distance, turn_2 = np.array(control) - sigmas * normals
     x, y, theta = pose
     return np.array(
@@ -63,10 +63,7 @@ def sample_motion_model_odometry(
 def sample_motion_model_omni(
     motion: Float64Array, alphas: tuple[float, ...], pose: Float64Array, normals: Float64Array
 ) -> Float64Array:
-    """Return a pose after a ``motion`` (3,) of a robot that moves sideways too, ``normals`` (3,) as above.
-
-    Source: Nav2's AMCL, OmniMotionModel: distance, sideways distance and turn have errors.
-    """
+    """Sample a pose after a ``motion`` (3,) of a robot that also moves sideways; ``normals`` (3,) as above."""
     a1, a2, a3, a4, a5 = alphas
     distance, turn = math.hypot(motion[0], motion[1]), motion[2]
     direction = pose[2] + math.atan2(motion[1], motion[0])
@@ -93,10 +90,9 @@ def motion_model_odometry(
 def expected_range(
     occupied: BoolArray, geometry: GridGeometry, sensor_pose: Float64Array, bearing: float, range_max: float
 ) -> float:
-    """Return where a beam enters the first occupied cell, at most ``range_max``, metres.
+    """Return the distance at which a beam enters the first occupied cell, at most ``range_max``, metres.
 
-    All crossings of the beam with the lines of the lattice are sorted by distance; between two of them it is in one
-    cell.
+    All crossings of the beam with the lattice lines are sorted by distance; between two of them it is in one cell.
     """
     u, v = geometry.to_lattice(sensor_pose[:2])
     heading = sensor_pose[2] + bearing - geometry.origin[2]
@@ -127,8 +123,8 @@ def count_unexplained(
 ) -> tuple[int, int]:
     """Return how many readings are longer and shorter than the map allows within ``turn`` radians of their bearings.
 
-    ``map_range`` returns the range that the map has at a sensor's pose in the direction of a bearing; readings may be
-    off from it by ``margin`` m.
+    ``map_range`` returns the range in the map for a sensor pose and a bearing; readings may deviate from it by
+    ``margin`` m.
     """
     longer = shorter = 0
     for z, bearing in zip(readings, bearings, strict=True):
@@ -155,7 +151,7 @@ def beam_density(
 
 
 def beam_range_finder_model(readings: Sequence[float], expected: Sequence[float], *mixture: float) -> float:
-    """Return q = Π p(z_k | x, m) for readings and the ranges that the map has there. Table 6.1."""
+    """Return q = Π p(z_k | x, m) for readings and their expected ranges in the map. Table 6.1."""
     q = 1.0
     for z, z_map in zip(readings, expected, strict=True):
         q *= beam_density(z, z_map, *mixture)
@@ -165,10 +161,10 @@ def beam_range_finder_model(readings: Sequence[float], expected: Sequence[float]
 def likelihood_field_range_finder_model(
     distances: Float64Array, z_hit: float, z_rand: float, sigma_hit: float, range_max: float
 ) -> float:
-    """Return q of a scan whose end points lie ``distances`` (k,) from the nearest occupied cell. Table 6.3.
+    """Return q of a scan whose endpoints are ``distances`` (k,) from the nearest occupied cell. Table 6.3.
 
-    Without the factor 1 / (σ √2π) of ``prob``, as AMCL has it, so that ``z_hit`` and ``z_rand`` mean what they mean
-    there. Readings of ``range_max`` and more are left out by the caller (line 3).
+    The factor 1 / (σ √2π) of ``prob`` is omitted, as in AMCL, so that ``z_hit`` and ``z_rand`` have the same meaning.
+    Readings of ``range_max`` and more are excluded by the caller (line 3).
     """
     q = 1.0
     for distance in distances:
@@ -177,7 +173,9 @@ def likelihood_field_range_finder_model(
 
 
 def distances_to_occupied(occupied: BoolArray, resolution: float, most: float) -> Float64Array:
-    """Return how far each cell's centre (rows, cols) is from that of the nearest occupied cell, at most ``most`` m."""
+    """Return the distance of each cell's centre (rows, cols) from that of the nearest occupied cell, at most ``most``
+    m.
+    """
     rows, cols = np.nonzero(occupied)
     out = np.full(occupied.shape, most)
     for r, c in np.ndindex(*occupied.shape):
@@ -187,7 +185,7 @@ def distances_to_occupied(occupied: BoolArray, resolution: float, most: float) -
 
 
 def field_score(scores: NDArray[np.uint16], geometry: GridGeometry, points: Float64Array, pose: Float64Array) -> int:
-    """Return the sum of a field's ``scores`` (rows, cols) under end points (k, 2) of a scan taken at ``pose``."""
+    """Return the sum of a field's ``scores`` (rows, cols) at the endpoints (k, 2) of a scan taken at ``pose``."""
     total = 0
     for point in points:
         end = compose(pose, np.array([point[0], point[1], 0.0]))[:2]
@@ -198,7 +196,9 @@ def field_score(scores: NDArray[np.uint16], geometry: GridGeometry, points: Floa
 
 
 def low_variance_sampler(weights: Float64Array, first: float, count: int) -> Int64Array:
-    """Return which particles (count,) are drawn for ``weights`` (n,), Σ = 1; 0 ≤ first < 1/count is r in table 4.4."""
+    """Return the indices (count,) of particles drawn by ``weights`` (n,), Σ = 1; 0 ≤ first < 1/count is r in table
+    4.4.
+    """
     drawn, c, i = [], weights[0], 0
     for m in range(count):
         u = first + m / count
@@ -220,10 +220,10 @@ def bin_of(pose: Float64Array, side: float, turn: float) -> tuple[int, int, int]
 
 
 def kld_number(k: int, error: float, quantile: float) -> float:
-    """Return how many particles k bins need. Table 8.4, line 11: equation (8.11).
+    """Return the number of particles that k bins need. Table 8.4, line 11: equation (8.11).
 
-    It is a quantile of the χ² distribution of k − 1 degrees of freedom, from the ``quantile`` of the standard normal
-    distribution by Wilson and Hilferty, over twice the error.
+    It is a quantile of the χ² distribution with k − 1 degrees of freedom, from the ``quantile`` of the standard normal
+    distribution by the Wilson–Hilferty transformation, divided by twice the error.
     """
     freedom = max(k - 1, 0)
     if freedom == 0:
@@ -235,7 +235,7 @@ def kld_number(k: int, error: float, quantile: float) -> float:
 def kld_sampling_mcl(
     draw: Callable[[], Float64Array], least: int, most: int, error: float, quantile: float, side: float, turn: float
 ) -> Float64Array:
-    """Return particles (n, 3), drawn one at a time by ``draw`` until they are as many as their bins need. Table 8.4."""
+    """Return particles (n, 3), drawn one at a time by ``draw`` until their bins need no more. Table 8.4."""
     particles: list[Float64Array] = []
     bins: set[tuple[int, int, int]] = set()
     while len(particles) < most and (len(particles) < least or len(particles) < kld_number(len(bins), error, quantile)):
@@ -250,7 +250,7 @@ def mcl(
     measurement: Callable[[Float64Array], float],
     first: float,
 ) -> Float64Array:
-    """Return the particles (n, 3) after a motion and a measurement. Table 8.2, drawn as table 4.4 says."""
+    """Return the particles (n, 3) after a motion and a measurement. Table 8.2, resampled as in table 4.4."""
     moved = np.array([sample_motion(particle) for particle in particles])
     weights = np.array([measurement(particle) for particle in moved])
     return moved[low_variance_sampler(weights / weights.sum(), first, len(moved))]
@@ -259,16 +259,18 @@ def mcl(
 def augmented_share(
     average: float, slow: float, fast: float, alpha_slow: float, alpha_fast: float
 ) -> tuple[float, float, float]:
-    """Return w_slow, w_fast and the share of random particles, max(0, 1 − w_fast / w_slow). Table 8.3, line 10 on."""
+    """Return w_slow, w_fast and the fraction of random particles, max(0, 1 − w_fast / w_slow). Table 8.3, from line
+    10.
+    """
     slow = (1.0 - alpha_slow) * slow + alpha_slow * average
     fast = (1.0 - alpha_fast) * fast + alpha_fast * average
     return slow, fast, 0.0 if fast >= slow else 1.0 - fast / slow
 
 
 def clusters(particles: Float64Array, side: float, turn: float) -> Int64Array:
-    """Return the number (n,) of each particle's cluster: bins that touch, also by a corner, are of one cluster.
+    """Return the cluster number (n,) of each particle; bins that touch, also at a corner, form one cluster.
 
-    Clusters are numbered by their first particles. The angle goes round. Source: AMCL, pf_kdtree_cluster.
+    Clusters are numbered by their first particles. The angle wraps around. Source: AMCL, pf_kdtree_cluster.
     """
     turns = round(2.0 * math.pi / turn)
     bins = [bin_of(particle, side, turn) for particle in particles]
@@ -295,7 +297,7 @@ def clusters(particles: Float64Array, side: float, turn: float) -> Int64Array:
 
 
 def bandwidth(n: int, dimensions: int = 3) -> float:
-    """Return the bandwidth of a Gaussian kernel density estimate of n samples, in standard deviations of them.
+    """Return the bandwidth of a Gaussian kernel density estimate of n samples, in units of their standard deviation.
 
     A(K) n^(−1 / (d + 4)) with A(K) of the normal kernel. Source: Silverman 1986, Density Estimation, table 4.1.
     """

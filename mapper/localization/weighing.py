@@ -1,4 +1,4 @@
-"""Weights of particles: how likely a scan is at each of them."""
+"""Particle weights: the likelihood of a scan at each particle."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from mapper.localization.map_model import MapModel
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.scan_beams import ScanBeams
 
-_PART = 1000  #: particles below which no further thread is worth it
-_SAMPLE = 4096  #: particles by which the power of tempering is found
+_PART = 1000  #: particles per thread below which another thread is not worthwhile
+_SAMPLE = 4096  #: particles used to find the power of tempering
 
 
 def parts(n: int) -> list[tuple[int, int]]:
-    """Split n particles into ranges, one for each core that they are worth."""
+    """Split n particles into ranges, one per worthwhile core."""
     return shares(n, max(1, min(cores(), n // _PART)))
 
 
 def scan_sums(model: MapModel, scan: ScanBeams, particles: Float64Array) -> NDArray[np.int64]:
-    """Return the sums of the likelihood field's scores (n,) under a scan's end points, for ``particles`` (n, 3)."""
+    """Return the sums of the likelihood field's scores (n,) at a scan's endpoints, for ``particles`` (n, 3)."""
     sums = np.empty(len(particles), dtype=np.int64)
     in_parallel(
         [partial(score_poses, model.field.field, scan.points, particles, a, b, sums) for a, b in parts(len(particles))]
@@ -39,7 +39,7 @@ def scan_sums(model: MapModel, scan: ScanBeams, particles: Float64Array) -> NDAr
 def log_likelihoods(
     model: MapModel, scan: ScanBeams, particles: Float64Array, sums: NDArray[np.int64], config: LocalizationConfig
 ) -> Float64Array:
-    """Return log p(z | x, m) (n,) for ``particles`` (n, 3), up to a constant, by the model that ``config`` names."""
+    """Return log p(z | x, m) (n,) for ``particles`` (n, 3), up to a constant, by the model of ``config``."""
     if config.laser_model_type != "beam":
         n = len(scan.points)
         logs = model.field.log_weights(sums, n)
@@ -59,16 +59,13 @@ def log_likelihoods(
 
 
 def independence(n_beams: int, config: LocalizationConfig) -> float:
-    """Return the power of the product over ``n_beams`` beams that makes it that of fewer independent ones.
-
-    Source: Probabilistic Robotics, section 6.3.4.
-    """
+    """Return the power that reduces the product over ``n_beams`` beams to that of fewer independent ones."""
     count = config.independent_beams
     return 1.0 if count == 0.0 else min(1.0, count / max(n_beams, 1))
 
 
 def normalised(log_weights: Float64Array) -> Float64Array:
-    """Return weights (n,), Σ = 1, for their logarithms. Raises :class:`ConfigError` where one is not a number."""
+    """Return weights (n,), Σ = 1, from their logarithms. Raises :class:`ConfigError` if one is NaN."""
     most = float(log_weights.max())
     if not np.isfinite(most):
         raise ConfigError("localization.weights", "Weights of particles must be numbers, and not all of them 0.")
@@ -79,7 +76,7 @@ def normalised(log_weights: Float64Array) -> Float64Array:
 
 def logarithm_of_mean(weights: Float64Array, log_values: Float64Array) -> float:
     """Return log Σ w exp(v) of weights (n,), Σ = 1, and logarithms v (n,)."""
-    held = weights > 0.0  # the greatest v may be that of a weight that is 0, beside which all others underflow
+    held = weights > 0.0  # the greatest v may have weight 0, and all others would underflow relative to it
     most = float(log_values[held].max())
     return most + math.log(float(weights[held] @ np.exp(log_values[held] - most)))
 
@@ -96,9 +93,9 @@ def effective(weights: Float64Array) -> float:
 
 
 def tempering(prior: Float64Array, log_likelihood: Float64Array, least: float) -> float:
-    """Return the greatest power β ≤ 1 of the likelihood after which N_eff is at least ``least`` of the particles.
+    """Return the greatest power β ≤ 1 of the likelihood for which N_eff is at least ``least`` of the particles.
 
-    ``prior`` (n,) are the weights before. The power is found by bisection, on every k-th particle where there are many.
+    ``prior`` (n,) are the previous weights. The power is found by bisection, on every k-th particle if there are many.
     Source: Del Moral, Doucet and Jasra 2012, An adaptive sequential Monte Carlo method (the level of N_eff).
     """
     step = max(1, len(prior) // _SAMPLE)

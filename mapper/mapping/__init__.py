@@ -1,1 +1,1 @@
-"""Mapping with known poses: inverse sensor models, updates, provenance, and the same algorithms in plain Python."""
+"""Mapping with known poses: inverse sensor models, updates, provenance, and textbook versions in plain Python."""

@@ -1,4 +1,4 @@
-"""Models whose map is no sum of log-odds: they keep two numbers for each cell and compute the log-odds from them.
+"""Models that keep two statistics for each cell and compute its log-odds from them.
 
 ``cell_statistics[0]`` is evidence for occupied and ``cell_statistics[1]`` for empty: the hits and misses of
 :class:`mapper.mapping.sensor_model.HitCounting`, the certainties of
@@ -21,9 +21,9 @@ from mapper.mapping.update_plan import UpdatePlan
 
 
 def begin(grid: OccupancyGrid, strategy: ModelStrategy) -> None:
-    """Give the grid the statistics that the model keeps, if it keeps any and the grid has none yet.
+    """Allocate the statistics that the model keeps, if it keeps any and the grid has none yet.
 
-    Raises :class:`ConfigError` for a grid that a model of another kind has updated: the two cannot be mixed.
+    Raises :class:`ConfigError` for a grid that was updated by a model of another kind, because the two cannot be mixed.
     """
     keeps = strategy.statistics != "none"
     if keeps and grid.cell_statistics is None:
@@ -43,12 +43,12 @@ def _no_counts(prior: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _certainties_of(prior: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the certainties (2, ...) that are equivalent to the log-odds of a prior (...)."""
+    """Return the certainties (2, ...) that are equivalent to a prior (...) in log-odds."""
     value = 2.0 * probability(prior) - 1.0
     return np.stack([np.maximum(value, 0.0), np.maximum(-value, 0.0)]).astype(np.float32)
 
 
-#: The statistics (2, ...) of cells without a reading, from their prior (...), log-odds.
+#: The statistics (2, ...) of cells without readings, computed from their prior (...) in log-odds.
 _INITIAL: Mapping[Statistics, Callable[[NDArray[np.float32]], NDArray[np.float32]]] = {
     "counts": _no_counts,
     "certainties": _certainties_of,
@@ -56,7 +56,7 @@ _INITIAL: Mapping[Statistics, Callable[[NDArray[np.float32]], NDArray[np.float32
 
 
 def forget(grid: OccupancyGrid, strategy: ModelStrategy, part: tuple[slice, slice]) -> None:
-    """Reset some rows and columns to what they were after :func:`begin`."""
+    """Reset some rows and columns to their state after :func:`begin`."""
     prior = grid.prior(part)
     grid.log_odds[part] = prior
     grid.observed[part] = False if grid.prior_map is None else ~np.isnan(grid.prior_map[part])
@@ -73,8 +73,8 @@ def _mixed(strategy: ModelStrategy) -> ConfigError:
 def show(grid: OccupancyGrid, plan: UpdatePlan, box: NDArray[np.int64]) -> None:
     """Compute the log-odds of the cells in a box (row0, row1, col0, col1) from their statistics, clamped.
 
-    A cell whose statistics are the initial ones keeps its prior, also one that a prior map puts beyond the clamp: no
-    reading has contributed to it.
+    A cell with its initial statistics keeps its prior, even if a prior map sets it beyond the clamp, because no reading
+    has contributed to it.
     """
     if grid.cell_statistics is None or box[1] <= box[0]:
         return
@@ -97,7 +97,7 @@ def shown(
     empty: NDArray[np.float32],
     log_odds_prior: float | NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    """Return the clamped log-odds (any shape) of two statistics; ``log_odds_prior`` is ℓ₀ of the same cells."""
+    """Return the clamped log-odds (any shape) for two statistics. ``log_odds_prior`` is ℓ₀ of the same cells."""
     log_odds = _LOG_ODDS[plan.strategy.statistics](plan, occupied, empty, log_odds_prior)
     return np.asarray(np.clip(log_odds, *plan.clamp), dtype=np.float32)
 
@@ -108,7 +108,7 @@ def _log_odds_of_counts(
     misses: NDArray[np.float32],
     log_odds_prior: float | NDArray[np.float32],
 ) -> NDArray[np.float64]:
-    """Return the log-odds of the posterior mean with a Beta prior of the model's weight and each cell's own ℓ₀."""
+    """Return the log-odds of the posterior mean for a Beta prior with the model's weight and each cell's own ℓ₀."""
     weight = cast("HitCounting", plan.model).prior_weight
     prior_hits = weight * probability(log_odds_prior)
     return np.asarray(np.log(hits + prior_hits) - np.log(misses + (weight - prior_hits)))

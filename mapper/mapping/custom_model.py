@@ -1,4 +1,4 @@
-"""A scan put into a grid by a sensor model that is not one of the built-in ones."""
+"""Integration of a scan with a user-defined sensor model."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 
 @dataclass(frozen=True, slots=True)
 class CrossedCells:
-    """The cells that beams cross, beam after beam, each array (m,).
+    """The cells that beams cross, beam by beam; each array is (m,).
 
-    ``cells`` int64 are row · cols + col, ``beams`` int64 the beams' numbers; ``r`` metres from the sensor to the cell's
-    centre, z for the one that holds the endpoint; ``z`` metres the beam's reading, +inf for no return.
+    ``cells`` int64 are row · cols + col, ``beams`` int64 the beam indices. ``r`` is the distance in metres from the
+    sensor to the cell's centre, or z for the cell that holds the endpoint. ``z`` is the beam's reading in metres, +inf
+    for no return.
     """
 
     cells: NDArray[np.int64]
@@ -35,11 +36,11 @@ class CrossedCells:
 def add_with_model(
     grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan, model: InverseSensorModel
 ) -> tuple[int, tuple[int, int, int, int], bool]:
-    """Add one scan by ``model``; the grid grows first where the scan reaches beyond it.
+    """Integrate one scan with ``model``. The grid first grows if the scan reaches beyond it.
 
-    Return the number of cell updates, the box (row0, row1, col0, col1) that was touched, half-open and empty where
-    nothing was, and whether the grid grew. Raises :class:`ConfigError` for a model or a plan that does not fit, with
-    the grid unchanged.
+    Return the number of cell updates, the touched box (row0, row1, col0, col1), half-open and possibly empty, and
+    whether the grid grew. Raises :class:`ConfigError` for a model or plan that does not fit; the grid is then
+    unchanged.
     """
     if plan.update != "per_beam":
         raise ConfigError("model.update", "A sensor model of your own updates per beam; set update to per_beam.")
@@ -53,7 +54,7 @@ def add_with_model(
     reading_filter = plan.reading_filter._replace(window=2.0 * behind, growth=0.0)
     out = np.array([np.inf, np.inf, -np.inf, -np.inf])
     reach(batch.ranges, batch.sensors, batch.beams, reading_filter, out)
-    # The model is evaluated on the grid as it will be, which changes only once the answer is known to be good.
+    # The model is evaluated on the geometry after growth. The grid changes only after the result has been validated.
     geometry, _, _ = grid.geometry.grown_to_include(out[:2], out[2:])
     crossed = crossed_cells(geometry, batch, reading_filter, exact_rays=plan.exact_rays)
     increments = _checked_increments(model, crossed, batch.range_max)
@@ -70,8 +71,8 @@ def add_with_model(
 def crossed_cells(
     geometry: GridGeometry, batch: ScanBatch, reading_filter: ReadingFilter, *, exact_rays: bool
 ) -> CrossedCells:
-    """Return the cells that the beams of one scan cross up to their readings and half the window of ``reading_filter``
-    more.
+    """Return the cells that the beams of one scan cross, up to the reading plus half the window of
+    ``reading_filter``.
     """
     n = batch.ranges.size
     work, box = np.zeros(geometry.rows + 1), np.zeros(4, dtype=np.int64)
@@ -95,7 +96,7 @@ def crossed_cells(
         count = cells_of_lines(lines, z, u, v, geometry.resolution, geometry.shape, cells, beam, r)
     z, r = z[beam[:count]], r[:count]
     if reading_filter.window == 0.0:
-        # Without a window a cell before the endpoint's is before the reading, also where its centre is not.
+        # Without a window, a cell before the endpoint's counts as before the reading even if its centre is not.
         ends = np.append(np.diff(beam[:count]) != 0, True) & np.isfinite(z)
         r = np.where(ends, r, np.minimum(r, np.nextafter(z, 0.0)))
     return CrossedCells(cells[:count], beam[:count], r, z)

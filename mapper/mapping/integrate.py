@@ -1,8 +1,8 @@
-"""Put one scan, a whole log, or the logs of several sensors into a grid.
+"""Integrate one scan, a whole log, or the logs of several sensors into a grid.
 
 The update is ``ℓ ← clamp(ℓ + inverse_sensor_model − ℓ₀)``, Thrun, Burgard & Fox, Probabilistic Robotics, tables 9.1 and
-9.2; :mod:`mapper.mapping.textbook` says the same in plain Python. Additions and clamps are done in float32, in the
-order of the log: scans one after another, and beams of a scan from the first to the last.
+9.2; :mod:`mapper.mapping.textbook` is the same in plain Python. Additions and clamps are done in float32, in the order
+of the log: scan by scan, and within a scan from the first beam to the last.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ from mapper.mapping.update_plan import UpdatePlan, check_beam_length, plan_updat
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 
-#: The number of cell updates, the box (row0, row1, col0, col1), and the cells that were written, row · cols + col, some
-#: of them repeatedly; None where they are too many.
+#: The number of cell updates, the box (row0, row1, col0, col1), and the written cells, row · cols + col, possibly
+#: repeated; None if there are too many.
 Touched = tuple[int, NDArray[np.int64], NDArray[np.uint32] | None]
-MOST_WRITTEN = 8192  #: most cells that are listed; a scan writes about 1,000 that are not at the clamp
+MOST_WRITTEN = 8192  #: maximum number of cells listed; a scan writes about 1,000 that are not at the clamp
 
 
 def is_simple(scan: RangeScan, plan: UpdatePlan) -> TypeGuard[LaserScan]:
-    """Return whether :func:`update_with_scan` takes the scan: thin even beams, drawn as Bresenham's lines."""
+    """Return whether :func:`update_with_scan` accepts the scan: thin, evenly spaced beams traced as Bresenham lines."""
     strategy = plan.strategy
     return (
         isinstance(scan, LaserScan)
@@ -53,10 +53,10 @@ def is_simple(scan: RangeScan, plan: UpdatePlan) -> TypeGuard[LaserScan]:
 def update_with_scan(
     grid: OccupancyGrid, scan: LaserScan, sensor_pose: list[float], plan: UpdatePlan
 ) -> Touched | None:
-    """Add a scan, for which :func:`is_simple`, taken at ``sensor_pose`` (3,), ``T_map_laser``; the mount is corrected.
+    """Integrate a scan that satisfies :func:`is_simple`, taken at ``sensor_pose`` (3,), ``T_map_laser``.
 
-    The same as :func:`mapper.mapping.update.update_grid`, bit for bit; None where the grid has to grow first, and is
-    unchanged. Raises as that function does.
+    The mount correction is applied here. The result equals that of :func:`mapper.mapping.update.update_grid`, bit for
+    bit. Returns None, with the grid unchanged, if the grid has to grow first. Raises the same errors.
     """
     geometry = grid.geometry
     check_beam_length(plan.beam_length, geometry.resolution)
@@ -75,30 +75,30 @@ def update_with_scan(
 
 @lru_cache(maxsize=32)
 def _even_directions(sign: float, angle_min: float, angle_increment: float, n_beams: int) -> NDArray[np.float64]:
-    """Return the cosine and sine (n_beams, 2) of the bearings. It is shared and must not be modified."""
+    """Return the cosine and sine (n_beams, 2) of the bearings. The array is shared and must not be modified."""
     angles = angle_min + angle_increment * np.arange(n_beams)
     return directions((-angles if sign < 0.0 else angles).tobytes())
 
 
-Bounds: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  #: least and greatest x, y (2,), metres
+Bounds: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  #: minimum and maximum x, y (2,), metres
 BoundsFunction: TypeAlias = Callable[[ScanLog, MappingConfig, str | None], Bounds]
 
-CHUNK_READINGS = 1 << 20  #: between two calls of ``progress``
-PART_S = 0.02  #: processor time of the calling thread that one part of a log takes
+CHUNK_READINGS = 1 << 20  #: readings between two calls of ``progress``
+PART_S = 0.02  #: processor time of the calling thread for one part of a log
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """The effect of an update: the cells it touched are in ``box`` (None: it touched none).
+    """The effect of an update. The touched cells are in ``box`` (None: none).
 
-    ``geometry_changed`` says that rows and columns are counted from another origin than before or that the
-    resolution is another: every cell must be read again. ``cells_updated`` counts the additions made.
+    ``geometry_changed`` means that the origin of rows and columns or the resolution has changed, so every cell must be
+    read again. ``cells_updated`` counts the additions.
     """
 
     box: CellBox | None
     geometry_changed: bool
     cells_updated: int
-    #: The cells of ``box`` in which anything changed, ``row · cols + col``, some of them repeatedly; None: not listed.
+    #: The cells of ``box`` that changed, ``row · cols + col``, possibly repeated; None: not listed.
     cells: NDArray[np.uint32] | None = field(default=None, compare=False)
 
 
@@ -118,7 +118,7 @@ def _change(count: int, box: NDArray[np.int64], cells: NDArray[np.uint32] | None
 
 
 def bounds_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None = None) -> Bounds:
-    """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
+    """Return the minimum and maximum x, y (2,), metres, of everything that ``log`` observes with ``config``."""
     if isinstance(log, JointLog):
         return bounds_of_logs(log.parts, config, trajectory)
     plan = plan_update(config, log.range_min, log.range_max)
@@ -128,7 +128,7 @@ def bounds_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None = 
 
 
 def bounds_of_logs(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str | None = None) -> Bounds:
-    """Return the least and the greatest x, y (2,), metres, of all that the logs see with ``config``."""
+    """Return the minimum and maximum x, y (2,), metres, of everything that the logs observe with ``config``."""
     bounds = [bounds_of_log(log, config, trajectory) for log in logs if log.n_scans]
     return np.min([low for low, _ in bounds], axis=0), np.max([high for _, high in bounds], axis=0)
 
@@ -140,16 +140,16 @@ def geometry_for(
     limits: Limits = DEFAULT_LIMITS,
     bounds_of: BoundsFunction = bounds_of_log,
 ) -> GridGeometry:
-    """Return the geometry that holds all that ``log`` sees with ``config``, at ``config.resolution`` metres a cell.
+    """Return a geometry that contains everything that ``log`` observes with ``config``, at ``config.resolution``.
 
-    It is axis-aligned, of whole tiles, and the same for every part of a log that reaches equally far. Raises
-    :class:`mapper.core.errors.LimitError` where that is more cells than ``limits`` allow, and
+    It is axis-aligned, consists of whole tiles, and is the same for all parts of a log with equal extent. Raises
+    :class:`mapper.core.errors.LimitError` if that is more cells than ``limits`` allow, and
     :class:`mapper.core.errors.ConfigError` for a trajectory that the log lacks or a log without scans.
     """
     if log.n_scans == 0:
         raise ConfigError("log.no_scans", "A log without scans covers no area.")
     low, high = bounds_of(log, config, trajectory)
-    # One more cell on each side: an endpoint on the border itself must not be rounded out of the grid.
+    # One more cell on each side, so that an endpoint on the border is not rounded out of the grid.
     return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
 
 
@@ -161,12 +161,12 @@ def grid_for(
     prior: OccupancyGrid | None = None,
     bounds_of: BoundsFunction = bounds_of_log,
 ) -> OccupancyGrid:
-    """Return an empty grid that holds all that ``log`` sees with ``config``.
+    """Return an empty grid that contains everything that ``log`` observes with ``config``.
 
-    ``bounds_of`` computes the bounds, as :func:`bounds_of_log` does; a caller can pass one that caches them.
-    With ``prior``, a map in the same frame, mapping starts from that map, on its lattice (its origin and
-    yaw), grown where the log sees more. Raises as :func:`geometry_for` does, and
-    :class:`mapper.core.errors.ConfigError` for a map of another resolution than ``config.resolution``.
+    ``bounds_of`` computes the bounds like :func:`bounds_of_log`; a caller can pass a caching version. With ``prior``, a
+    map in the same frame, mapping starts from that map, on its lattice (origin and yaw), extended to the bounds of the
+    log. Raises the errors of :func:`geometry_for`, and :class:`mapper.core.errors.ConfigError` if the resolution of
+    ``prior`` differs from ``config.resolution``.
     """
     if prior is None:
         return OccupancyGrid(geometry_for(log, config, trajectory, limits, bounds_of), config.log_odds_prior)
@@ -179,9 +179,7 @@ def grid_for(
 
 
 def check_resolution(prior: OccupancyGrid, config: MappingConfig) -> None:
-    """Raise :class:`mapper.core.errors.ConfigError` for a prior map of another resolution than
-    ``config.resolution``.
-    """
+    """Raise :class:`mapper.core.errors.ConfigError` unless ``prior`` has the resolution ``config.resolution``."""
     resolution = prior.geometry.resolution
     if abs(resolution - config.resolution) > 1e-6 * resolution:
         raise ConfigError(
@@ -198,14 +196,13 @@ def integrate_scan(
     config: MappingConfig,
     model: InverseSensorModel | None = None,
 ) -> Change:
-    """Add one scan to the grid, which grows first where the robot sees beyond its border.
+    """Integrate one scan. The grid first grows if the scan reaches beyond its border; existing cells do not move.
 
-    ``sensor_pose`` (3,) is ``T_map_laser`` as the robot states it; ``config.mount`` is composed onto it here. With
-    ``model`` the evidence is that model's instead of the one that ``config.model`` names; traversal, ranges, treatment
-    of no return and clamp remain those of ``config``. Growth moves nothing that is there. Raises
-    :class:`mapper.core.errors.ConfigError` for a pose that is not finite or too far out or a model that returns
-    anything but finite increments of the right shape, and :class:`mapper.core.errors.LimitError` for a grid that would
-    grow too large; the grid is then unchanged.
+    ``sensor_pose`` (3,) is ``T_map_laser`` as reported by the robot; ``config.mount`` is composed onto it here.
+    ``model`` replaces the sensor model that ``config.model`` names; traversal, range limits, treatment of no return and
+    clamp remain those of ``config``. Raises :class:`mapper.core.errors.ConfigError` for a pose that is not finite or
+    too far away, or a model that does not return finite increments of the right shape, and
+    :class:`mapper.core.errors.LimitError` if the grid would grow too large. The grid is then unchanged.
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
     if not _is_within(sensor_pose, grid.geometry.limits.max_pose):
@@ -225,7 +222,7 @@ def integrate_scan(
 
 
 def _is_within(pose: ArrayLike, most: float) -> bool:
-    """Return whether a pose is a tuple of three finite numbers, the first two within ±``most``: a live robot's is."""
+    """Return whether a pose is a tuple of three finite numbers, the first two within ±``most``, as of a live robot."""
     if not (isinstance(pose, tuple) and len(pose) == 3):
         return False
     x, y, yaw = pose
@@ -235,21 +232,21 @@ def _is_within(pose: ArrayLike, most: float) -> bool:
 def integrate_scans(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
-    """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
+    """Integrate the scans [start, stop) of a log. The grid does not grow; cells outside it are clipped."""
     return _integration(grid, log, config, trajectory)(start, stop)
 
 
 def integrate_order(
     grid: OccupancyGrid, order: SensorOrder, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
-    """Add the scans [start, stop) of several sensors, as :func:`integrate_scans`."""
+    """Integrate the scans [start, stop) of several sensors like :func:`integrate_scans`."""
     return _all(_add_parts(grid, parts) for parts in planned_parts(order, config, trajectory, start, stop))
 
 
 def _integration(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None
 ) -> Callable[[int, int], Change]:
-    """Return the function that adds the scans [start, stop) of a log. Of one sensor, the update is planned once."""
+    """Return a function that integrates the scans [start, stop) of a log. One sensor's update is planned only once."""
     if isinstance(log, JointLog):
         return partial(integrate_order, grid, SensorOrder.of(log), config, trajectory)
     plan = plan_update(config, log.range_min, log.range_max)
@@ -261,7 +258,7 @@ def _integration(
 
 
 def _all(changes: Iterable[Change]) -> Change:
-    """Return several changes as one."""
+    """Return the union of several changes."""
     box, count = None, 0
     for change in changes:
         count += change.cells_updated
@@ -272,13 +269,13 @@ def _all(changes: Iterable[Change]) -> Change:
 def integrate_parts(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Iterator[tuple[int, Change]]:
-    """Add the scans [start, stop) of a log in parts of about :data:`PART_S`.
+    """Integrate the scans [start, stop) of a log in parts of about :data:`PART_S`.
 
-    Yield after each part the number of scans of the log that are in the map, and the change that the part made. The
-    map is the same as that of :func:`integrate_scans`, bit for bit.
+    After each part, yield the number of scans of the log that are in the map and the change made by the part. The map
+    equals that of :func:`integrate_scans`, bit for bit.
     """
     integrate = _integration(grid, log, config, trajectory)
-    count = 1  # a scan of sonar cones touches a million cells
+    count = 1  # start with one: a scan of sonar cones touches a million cells
     while start < stop:
         last = min(start + count, stop)
         began = time.thread_time()
@@ -289,7 +286,7 @@ def integrate_parts(
 
 
 def scans_at_once(scans: int, seconds: float) -> int:
-    """Return how many scans take about :data:`PART_S` where the last ``scans`` took ``seconds``."""
+    """Return the number of scans that take about :data:`PART_S`, given that the last ``scans`` took ``seconds``."""
     return max(1, min(4 * scans, int(scans * PART_S / max(seconds, 1e-6))))
 
 
@@ -302,10 +299,10 @@ def integrate_log(
     stop: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> int:
-    """Add the scans [start, stop) of ``log`` to ``grid``; return the number of cell updates.
+    """Integrate the scans [start, stop) of ``log`` into ``grid``; return the number of cell updates.
 
-    The grid stays as large as it is (:func:`geometry_for` makes one that holds all) and what falls outside is
-    clipped. ``progress(done, total)`` is called now and then with scans. Raises
+    The grid does not grow, and cells outside it are clipped; use :func:`geometry_for` for a grid that holds the whole
+    log. ``progress(done, total)``, in scans, is called from time to time. Raises
     :class:`mapper.core.errors.ConfigError` for scans that the log does not have.
     """
     stop = log.n_scans if stop is None else stop
@@ -331,11 +328,11 @@ def integrate_logs(
     count: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> int:
-    """Add the first ``count`` scans (None: all) of the logs to ``grid``; return the number of cell updates.
+    """Integrate the first ``count`` scans (None: all) of the logs into ``grid``; return the number of cell updates.
 
-    The logs are those of the sensors of one recording, each with its own mount, and with a trajectory of the same name
-    in one frame. ``progress(done, total)`` is called now and then with scans. What falls outside the grid is clipped.
-    Raises :class:`ConfigError` for a trajectory that a log lacks, or more scans than there are.
+    The logs are those of the sensors of one recording. Each has its own mount and a trajectory of the given name, all
+    in one frame. ``progress(done, total)``, in scans, is called from time to time. Cells outside the grid are clipped.
+    Raises :class:`ConfigError` for a trajectory that a log lacks, or for more scans than there are.
     """
     if len(logs) == 1:
         return integrate_log(grid, logs[0], config, trajectory, 0, count, progress)

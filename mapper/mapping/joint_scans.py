@@ -1,8 +1,8 @@
-"""The scans of several sensors in the order of their times, in few batches.
+"""Scans of several sensors in time order, in few batches.
 
-Scans of sensors whose beams are alike, of beams that are deskewed, and of thin beams are rows of one batch; otherwise
-each sensor has a batch, and their scans are drawn by turns (:class:`mapper.mapping.update_plan.Turns`). The map is that
-of the scans one after another, bit for bit, in any case.
+Scans are rows of one batch if the sensors' beams are alike, if beams are deskewed, or if beams are thin. Otherwise each
+sensor has its own batch, and their scans are drawn in turns (:class:`mapper.mapping.update_plan.Turns`). In each case
+the map equals that of integrating the scans one after another, bit for bit.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class SensorOrder:
 
 @dataclass(frozen=True, slots=True)
 class PlannedBatch:
-    """Some scans as the updates take them, by the plan of their sensors.
+    """Some scans in the form that the updates use, with the plan of their sensors.
 
-    The reading in row r and column c of the batch is the beam ``beams[r]`` + c of the scan ``scans[r]``.
+    The reading in row r and column c of the batch is beam ``beams[r]`` + c of scan ``scans[r]``.
     """
 
     batch: ScanBatch
@@ -57,11 +57,11 @@ class PlannedBatch:
 
     @property
     def scans(self) -> Int64Array:
-        """The number of the scan (n_rows,) that each row of the batch is of."""
+        """The scan index (n_rows,) of each row of the batch."""
         return self.batch.numbers
 
     def named(self, readings: Int64Array, n_beams: int) -> Int64Array:
-        """Return the numbers scan · ``n_beams`` + beam of ``readings`` (n,), numbered row after row."""
+        """Return scan · ``n_beams`` + beam for ``readings`` (n,), which are numbered row by row."""
         rows, cols = np.divmod(readings, max(1, self.batch.ranges.shape[1]))
         return np.asarray(self.scans[rows] * n_beams + self.beams[rows] + cols)
 
@@ -79,9 +79,9 @@ class PlannedBatch:
 def planned_parts(
     order: SensorOrder, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Iterator[list[PlannedBatch]]:
-    """Yield the scans [start, stop) in parts that bound the memory, at least one part.
+    """Yield the scans [start, stop) in parts of bounded memory, at least one part.
 
-    Each part is one batch, or one of each sensor where their scans cannot be rows of one: :func:`runs_of`.
+    Each part is one batch, or one batch per sensor if their scans cannot be rows of one (see :func:`runs_of`).
     """
     logs = order.logs
     plans = [plan_update(config, log.range_min, log.range_max) for log in logs]
@@ -95,9 +95,9 @@ def planned_parts(
 
 
 def runs_of(parts: Sequence[PlannedBatch]) -> list[Run]:
-    """Return in which runs of rows the batches of several sensors follow one another, by the order of their scans."""
+    """Return the runs of rows in which the batches of several sensors alternate, in the order of their scans."""
     numbers = np.repeat(np.arange(len(parts)), [len(part.scans) for part in parts])
-    # A stable sort keeps the beams of a deskewed scan in their order.
+    # A stable sort keeps the beams of a deskewed scan in order.
     number = numbers[np.argsort(np.concatenate([part.scans for part in parts]), kind="stable")]
     edges = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(number)]
     done = [0] * len(parts)
@@ -111,14 +111,14 @@ def runs_of(parts: Sequence[PlannedBatch]) -> list[Run]:
 
 
 def turns_of(parts: Sequence[PlannedBatch], geometry: GridGeometry) -> Turns:
-    """Return the scans of several sensors as updates take them, on the lattice of ``geometry``."""
+    """Return the scans of several sensors in the form that updates use, on the lattice of ``geometry``."""
     return Turns([(part.batch.scans_on(geometry), part.plan) for part in parts], runs_of(parts))
 
 
 def _share_batches(logs: Sequence[ScanLog], plans: Sequence[UpdatePlan], is_swept: Sequence[bool]) -> bool:
-    """Return whether scans of all sensors may be rows of one batch."""
+    """Return whether the scans of all sensors may be rows of one batch."""
     if len({plan.reading_filter.range_max for plan in plans}) > 1 and plans[0].reading_filter.no_return_free:
-        return False  # no return is free up to each sensor's own range
+        return False  # no return means free up to each sensor's own range
     if all(is_swept):
         return True
     if any(is_swept):
@@ -140,7 +140,7 @@ def _of_sensors(
     start: int,
     stop: int,
 ) -> list[PlannedBatch]:
-    """Return the scans [start, stop), a batch for each sensor that has some, at least one."""
+    """Return the scans [start, stop), one batch for each sensor that has any, at least one."""
     parts: list[PlannedBatch] = []
     for number in np.unique(order.part_of_scan[start:stop]).tolist() or [0]:
         log, plan = order.logs[number], plans[number]
@@ -155,7 +155,7 @@ def _of_sensors(
 def _whole(
     log: ScanLog, plan: UpdatePlan, trajectory: str | None, first: int, numbers: Int64Array, n_scans: int
 ) -> ScanBatch:
-    """Return scans of one sensor, which follow one another there, as one batch; ``numbers`` are those of its rows."""
+    """Return consecutive scans of one sensor as one batch. ``numbers`` are the indices of its rows."""
     batches = list(scan_batches_of_log(log, plan, trajectory, first, first + n_scans))
     ranges = np.concatenate([batch.ranges for batch in batches])
     poses = np.concatenate([batch.sensor_poses for batch in batches])
@@ -163,9 +163,9 @@ def _whole(
 
 
 def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
-    """Return the rows of several sensors as those of one batch, in the order of their scans.
+    """Merge the rows of several sensors into one batch, in the order of their scans.
 
-    Where the beams differ, each sensor's have columns of their own.
+    If the beams differ, each sensor has its own columns.
     """
     batches = [part.batch for part in parts]
     first = batches[0]
@@ -176,7 +176,7 @@ def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
         [0] * len(batches) if same else np.cumsum([0, *(batch.ranges.shape[1] for batch in batches)])[:-1].tolist()
     )
     width = max(at + batch.ranges.shape[1] for at, batch in zip(columns, batches, strict=True))
-    # A stable sort keeps the beams of a deskewed scan in their order.
+    # A stable sort keeps the beams of a deskewed scan in order.
     order = np.argsort(np.concatenate([part.scans for part in parts]), kind="stable")
     ranges = np.full((len(order), width), np.nan, dtype=np.float32)
     row = 0
@@ -201,7 +201,7 @@ def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
 
 
 def _measured(part: PlannedBatch) -> NDArray[np.float32]:
-    """Return the ranges, NaN where a reading counts for nothing by the limits of its own sensor."""
+    """Return the ranges, with NaN for readings outside the limits of their sensor."""
     ranges, limits = part.batch.ranges, part.plan.reading_filter
     metres = ranges.astype(np.float64)
     with np.errstate(invalid="ignore"):
@@ -214,7 +214,7 @@ def _measured(part: PlannedBatch) -> NDArray[np.float32]:
 def sensor_poses_of(
     log: ScanLog, config: MappingConfig, trajectory: str | None, scans: Int64Array, beams: Int64Array
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return ``T_map_laser`` (n, 3) and the bearing (n,), radians, of readings: ``beams`` (n,) of ``scans`` (n,).
+    """Return ``T_map_laser`` (n, 3) and the bearing (n,), radians, of the readings ``beams`` (n,) of ``scans`` (n,).
 
     The poses are those of :func:`mapper.mapping.scan_batch.sensor_poses_of_readings`, in each sensor's own log.
     """

@@ -1,6 +1,6 @@
-"""The one table of mapping parameters: the command line, the server, viser's panel and the pages all read it.
+"""Table of mapping parameters, shared by the command line, the server, viser's panel and the pages.
 
-Each row names the parameter, its unit, its first value, its bounds, the step of its slider and one sentence.
+Each row has the parameter's name, unit, initial value, bounds, slider step and a one-sentence description.
 :class:`MappingConfig` holds one value for each row and validates itself against the table.
 """
 
@@ -32,12 +32,12 @@ Statistics = Literal["none", "counts", "certainties"]
 
 @dataclass(frozen=True, slots=True)
 class ModelStrategy:
-    """The parts of the algorithm that differ between the values of ``model``.
+    """The properties in which the values of ``model`` differ.
 
-    ``build`` makes the inverse sensor model. With ``cone`` a beam is a cone of ``opening`` radians, otherwise a thin
+    ``build`` creates the inverse sensor model. With ``cone`` a beam is a cone of ``opening`` radians, otherwise a thin
     line. With ``smooth`` the evidence changes continuously in a hit window that widens with the range. ``statistics``
-    are the numbers that are kept for each cell: none (the map is a sum of log-odds), counts of hits and misses, or
-    certainties of occupied and empty. ``per_scan`` says whether the per-scan update exists for the model.
+    is what is kept for each cell: nothing (the map is a sum of log-odds), counts of hits and misses, or certainties of
+    occupied and empty. ``per_scan`` says whether the per-scan update exists for the model.
     """
 
     name: str
@@ -78,23 +78,23 @@ MODELS = tuple(STRATEGIES)  #: values of ``model``
 CONES = tuple(name for name, strategy in STRATEGIES.items() if strategy.cone)
 _STEPPED = tuple(name for name, strategy in STRATEGIES.items() if not strategy.smooth)
 _THIN = tuple(name for name, strategy in STRATEGIES.items() if not strategy.cone)
-#: Sums of log-odds in which a thin beam either hits a cell or passes it. A ramp has no border between the two; cones
-#: overlap by their width; and a counting model is about the share of the beams that passed.
+#: Log-odds models in which a thin beam either hits a cell or passes it. A ramp has no border between the two, cones
+#: overlap by their width, and a counting model estimates the fraction of beams that passed.
 HIT_OR_PASSED = tuple(name for name in _THIN if name in _STEPPED and STRATEGIES[name].statistics == "none")
 _PER_SCAN = tuple(name for name, strategy in STRATEGIES.items() if strategy.per_scan)
 
 
-LOG_ONLY = frozenset({"deskew", "time_offset"})  #: parameters that need the robot's poses at other times than a scan's
+LOG_ONLY = frozenset({"deskew", "time_offset"})  #: parameters that need the robot's poses between the scans
 
 
 @dataclass(frozen=True, slots=True)
 class MappingConfig:
-    """One value for each row of :data:`PARAMETERS`; each field states its unit and meaning.
+    """Values of all rows of :data:`PARAMETERS`. Each field states its unit and meaning.
 
-    ``mount_*`` is added to the mount that the log or the simulated robot states: ``T_base_laser`` becomes
-    ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``, turned over with ``mount_upside_down``.
-    ``deskew`` and ``time_offset`` concern scans of a log, which has the robot's poses at other times too.
-    Raises :class:`ConfigError` naming the field that is refused.
+    ``mount_*`` is composed onto the mount given by the log or the simulated robot: ``T_base_laser`` becomes
+    ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``, flipped if ``mount_upside_down`` is set. ``deskew`` and
+    ``time_offset`` apply to logs only, because they need the robot's poses between the scans. Raises
+    :class:`ConfigError` naming the invalid field.
     """
 
     # fmt: off
@@ -214,20 +214,20 @@ class MappingConfig:
         check_fields(self)
         if self.log_odds_min >= self.log_odds_max:
             raise ConfigError("parameter.clamp", "The lower clamp must be below the upper clamp.")
-        self.beam_model()  # the models check what concerns two parameters at once
+        self.beam_model()  # the models check constraints between two parameters
 
     @property
     def strategy(self) -> ModelStrategy:
-        """The row of :data:`STRATEGIES` that ``model`` names."""
+        """The row of :data:`STRATEGIES` for ``model``."""
         return STRATEGIES[self.model]
 
     def beam_model(self) -> BeamModel:
-        """Return the inverse sensor model that the parameters describe."""
+        """Return the inverse sensor model for the parameters."""
         return self.strategy.build(self)
 
     @property
     def only_hits(self) -> bool:
-        """Whether a scan's misses count for nothing in the cells that it hits."""
+        """Whether the misses of a scan are ignored in the cells that it hits."""
         return self.hit_and_passed == "only_hits" and self.model in HIT_OR_PASSED and self.update == "per_beam"
 
     @property
@@ -237,7 +237,7 @@ class MappingConfig:
 
     @property
     def cone_window(self) -> float:
-        """The hit window of a cone, metres: at least one cell, as a thinner arc would miss the cells' centres."""
+        """The hit window of a cone, metres: at least one cell, because a thinner arc would miss cell centres."""
         return max(self.window, self.resolution)
 
     @property
@@ -251,7 +251,7 @@ class MappingConfig:
         return (self.mount_x, self.mount_y, self.mount_yaw)
 
     def with_values(self, values: Mapping[str, Any]) -> MappingConfig:
-        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
+        """Return a copy with some values replaced. Raise :class:`ConfigError` for an unknown name or invalid value."""
         return with_values(self, values)
 
 
@@ -260,21 +260,21 @@ BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 
 
 def as_mapped(log: ScanLog, config: MappingConfig) -> ScanLog:
-    """Return ``log`` as the map with ``config`` has it: what finds poses for that map begins with this.
+    """Return ``log`` with the corrections of ``config`` applied, as used before estimating poses for its map.
 
     See :func:`mapper.sensors.corrections.corrected_log`.
     """
     return corrected_log(log, config.mount, turned_over=config.mount_upside_down, time_offset=config.time_offset)
 
 
-SONAR_WINDOW = 0.2  #: metres: how thick the arc of a sonar's echo is taken to be
+SONAR_WINDOW = 0.2  #: metres: assumed thickness of the arc of a sonar echo
 
 
 def sensor_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return ``values`` of :data:`mapper.mapping.parameters.PARAMETERS` with the defaults for a sensor.
+    """Return ``values`` of :data:`mapper.mapping.parameters.PARAMETERS` completed with the defaults for a sensor.
 
-    Readings of cones, ``beam_width`` > 0 radians, use the sonar cone model. If ``values`` names a model, the other
-    values remain those of the table.
+    Sensors with a ``beam_width`` > 0 (radians) use the sonar cone model. If ``values`` names a model, the other
+    parameters keep the defaults of the table.
     """
     values = values or {}
     if beam_width <= 0.0:
@@ -287,10 +287,10 @@ def sensor_defaults(beam_width: float, values: Mapping[str, Any] | None = None) 
     return defaults | dict(values)
 
 
-#: Of a recording, where a map is to hold the walls; a simulated world begins with the step of the sources.
+#: Defaults for recordings, whose maps should keep thin walls; a simulated world starts with the literature's values.
 RECORDED: Mapping[str, Any] = {"hit_and_passed": "only_hits"}
 
 
 def recorded_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return :func:`sensor_defaults` with :data:`RECORDED`, for the scans of a recording."""
+    """Return :func:`sensor_defaults` with :data:`RECORDED` for a recording."""
     return {**RECORDED, **sensor_defaults(beam_width, values)}

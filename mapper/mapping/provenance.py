@@ -1,6 +1,6 @@
 """Provenance of a cell's value: every beam that touched it, in order, with the evidence it added.
 
-Recomputed from the log and the parameters at each request, so the map stores no history.
+It is recomputed from the log and the parameters on each request, so the map stores no history.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from mapper.mapping.update_plan import UpdatePlan, plan_update, update_certainti
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 
-OUTWEIGHED = 2  #: a miss in a cell that its scan hits, where only the hits count
+OUTWEIGHED = 2  #: a miss in a cell that its own scan hits, if only hits count
 
 
 def contributions(
     batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int]
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return the readings that touch ``cell`` (row, col) and the evidence of each (n,), log-odds.
+    """Return the readings that touch ``cell`` (row, col), and the evidence (n,) of each in log-odds.
 
     The readings (n, 2) int64 are scan · n_beams + beam, and 1 for a hit, 0 for a miss, or :data:`OUTWEIGHED`, in the
     order in which they are added.
@@ -57,9 +57,9 @@ def contributions(
 
 
 def _hits_first(touches: NDArray[np.int64], scans: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return touches (n, 2) of a cell by the ``scans`` (n,) with those misses outweighed whose scan hits the cell.
+    """Return touches (n, 2) of a cell by ``scans`` (n,), marking as outweighed the misses of scans that hit the cell.
 
-    They follow the hits of their scan.
+    Within each scan the misses follow the hits.
     """
     is_miss = touches[:, 1] == 0
     outweighed = is_miss & np.isin(scans, scans[~is_miss])
@@ -83,7 +83,7 @@ def _in_fields(batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell:
 
 
 def _on_beams(batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int]) -> NDArray[np.int64]:
-    """Return the touches (n, 2); only the beams that come near the cell are planned."""
+    """Return the touches (n, 2). Only beams that pass near the cell are planned."""
     scans = batch.scans_on(geometry)
     sifted, near = np.empty_like(scans.ranges), np.empty(len(scans.ranges), dtype=np.bool_)
     filter_readings_near_cell(scans, geometry.frame, plan.reading_filter, *cell, sifted, near)
@@ -132,19 +132,18 @@ def _ramp_increments(
 
 _Named: TypeAlias = Callable[[NDArray[np.int64]], NDArray[np.int64]]
 
-_FIRST_READINGS = 1 << 11  # of the first part, before it is known how long it takes to look through a scan
+_FIRST_READINGS = 1 << 11  # size of the first part, before the time per scan is known
 
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """The touches of one cell, one entry each, in the order in which the map was made.
+    """The touches of one cell, one entry each, in the order in which the map was built.
 
-    ``scans`` and ``beams`` (n,) int64 say which reading it was and ``ranges`` (n,) float32 what it read, in metres
-    (beyond the max range: no return); ``hits`` (n,) bool whether it was a hit, ``outweighed`` (n,) bool whether a miss
-    that counts for nothing as its scan hits the cell; ``increments`` (n,) float32
-    is its evidence (for models that keep statistics: what it changed) and ``log_odds`` (n,) float32 what the cell held
-    after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``cell_statistics`` is
-    what such a model goes on from.
+    ``scans`` and ``beams`` (n,) int64 identify the reading, and ``ranges`` (n,) float32 is its range in metres (beyond
+    the max range: no return). ``hits`` (n,) bool marks hits, and ``outweighed`` (n,) bool marks misses that are ignored
+    because their scan hits the cell. ``increments`` (n,) float32 is the evidence (for models that keep statistics: the
+    change), and ``log_odds`` (n,) float32 the cell's value after it. ``before`` is the value before the first touch,
+    ``prior`` the value before all logs. ``cell_statistics`` is the state from which a model with statistics continues.
     """
 
     scans: NDArray[np.int64]
@@ -160,7 +159,7 @@ class Provenance:
 
     @property
     def after(self) -> float:
-        """The log-odds that the cell held in the end."""
+        """The final log-odds of the cell."""
         return float(self.log_odds[-1]) if len(self.log_odds) else self.before
 
 
@@ -175,12 +174,13 @@ def provenance(
     prior: float | None = None,
     pause: Callable[[], object] = lambda: None,
 ) -> Provenance:
-    """Return what the first ``stop`` scans of ``log`` (None: all) did to ``cell`` (row, col) of a map.
+    """Return the effect of the first ``stop`` scans of ``log`` (None: all) on ``cell`` (row, col) of a map.
 
-    For a map of several logs each call takes one log, ``before`` the one before's; ``prior`` is ℓ₀ of the cell
-    where a prior map says another than ``config``. A per-scan update that hits a cell is credited to the first beam
-    that ended in it. ``pause`` is called between parts of the log, a few hundredths of a second each. Raises
-    :class:`ConfigError` for a cell outside the grid or for scans that the log does not have.
+    For a map of several logs, each call processes one log, and ``before`` is the result for the previous one. ``prior``
+    is ℓ₀ of the cell if a prior map sets it to another value than ``config``. A per-scan update that hits a cell is
+    attributed to the first beam that ended in it. ``pause`` is called between parts of the log, which take a few
+    hundredths of a second each. Raises :class:`ConfigError` for a cell outside the grid or for scans that the log does
+    not have.
     """
     stop = log.n_scans if stop is None else stop
     row, col = (int(n) for n in cell)
@@ -213,7 +213,7 @@ def provenance(
 
 
 def _nothing(prior: float) -> Provenance:
-    """Return the provenance of a cell that nothing has touched."""
+    """Return the provenance of an untouched cell."""
     none, values = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.float32)
     neither = np.empty(0, dtype=np.bool_)
     return Provenance(none, none, values, neither, neither, values, values, prior, prior)
@@ -235,14 +235,14 @@ class _Batches:
         *,
         by_turns: bool = False,
     ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-        """Return what ``look`` returns of each part, touches and a value for each, as of the whole log.
+        """Apply ``look`` to each part and return its touches, and a value for each, renumbered for the whole log.
 
-        With ``by_turns`` it gets the scans of several sensors in their order.
+        With ``by_turns``, ``look`` receives the scans of several sensors in time order.
         """
         touches: list[NDArray[np.int64]] = []
         values: list[NDArray[np.float32]] = []
         start, count = 0, max(1, _FIRST_READINGS // max(1, self.log.n_beams))
-        while start < self.stop or not touches:  # of a log without scans one part, to have the right shapes
+        while start < self.stop or not touches:  # a log without scans has one part, for the right shapes
             last = min(start + count, self.stop)
             began = time.thread_time()
             for parts in self._batches(start, last, by_turns=by_turns):
@@ -265,9 +265,10 @@ class _Batches:
     def _batches(
         self, start: int, stop: int, *, by_turns: bool
     ) -> Iterator[Sequence[tuple[ScanBatch, UpdatePlan, _Named]]]:
-        """Yield scans [start, stop) with their plan, and what numbers a batch's readings as those of the log.
+        """Yield the scans [start, stop) with their plan and the function that maps reading numbers of a batch to the
+        log's.
 
-        Batches that come together are those of several sensors whose scans take turns.
+        Batches yielded together belong to several sensors whose scans alternate.
         """
         log, n_beams = self.log, self.log.n_beams
 
@@ -290,9 +291,9 @@ class _Batches:
 def _of_certainties(
     batches: _Batches, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int], before: Provenance
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-    """Return the touches (n, 2), the log-odds (n,) after each, and the certainties at the end.
+    """Return the touches (n, 2), the log-odds (n,) after each, and the final certainties.
 
-    What an arc says of a cell depends on the whole arc, so the map is made again and the cell is watched.
+    The effect of an arc on a cell depends on the whole arc, so the map is built again while the cell is watched.
     """
     grid = OccupancyGrid(geometry, before.prior)
     begin(grid, plan.strategy)
@@ -309,7 +310,7 @@ def _of_certainties(
 def _of_counts(
     batches: _Batches, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int], before: Provenance
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-    """Return the touches (n, 2), the log-odds (n,) after each, and the hits and misses (2,) at the end."""
+    """Return the touches (n, 2), the log-odds (n,) after each, and the final hits and misses (2,)."""
     touches, _ = batches.joined(lambda batch, plan: contributions(batch, geometry, plan, cell))
     counted = np.zeros(2, dtype=np.float32) if before.cell_statistics is None else before.cell_statistics
     counts = counted[:, np.newaxis] + np.array([np.cumsum(touches[:, 1] == kind) for kind in (1, 0)], dtype=np.float32)

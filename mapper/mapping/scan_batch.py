@@ -1,7 +1,8 @@
-"""Scans with their poses: batches of one sensor's, which all updates read, and one scan as it lies in the map.
+"""Scans with their poses: batches of one sensor's scans, the input of all updates, and single scans placed in the map.
 
-The mount is corrected, fields are computed, and "no return" is replaced for "hit". Beams that are deskewed are scans of
-one beam each, in the order of the log: beam k of scan t is number t · n_beams + k, as a reading is numbered everywhere.
+The mount is corrected, fields are computed, and for "hit" no return is replaced by the maximum range. Deskewed beams
+are scans of one beam each, in the order of the log: beam k of scan t has the number t · n_beams + k, as readings have
+everywhere.
 """
 
 from __future__ import annotations
@@ -25,22 +26,24 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import LaserScan, RangeScan, ScanLog, SonarScan
 
-_CHUNK_READINGS = 1 << 19  # planned at once: each chunk costs two rounds of the threads
-_DESKEWED_READINGS = 1 << 18  # in one batch: each has a pose of its own, some 200 bytes with what is computed from it
+_CHUNK_READINGS = 1 << 19  # readings planned at once: each chunk costs two rounds of the threads
+_DESKEWED_READINGS = 1 << 18  # in one batch: each needs about 200 bytes for its own pose and derived values
 _NO_FIELDS = np.empty((0, 4))
 
 
 @dataclass(frozen=True)  # without slots: cached properties need a __dict__
 class ScanBatch:
-    """Scans of one sensor, with the poses it had."""
+    """Scans of one sensor with their poses."""
 
     ranges: NDArray[np.float32]  #: (n_scans, n_beams), m
     sensor_poses: NDArray[np.float64]  #: (n_scans, 3), T_map_laser
-    angles: NDArray[np.float64]  #: (n_beams,), rad in the laser frame
-    fields: NDArray[np.float64]  #: (n_beams, 4), see mapper.sensors.beam_fields.beam_fields; (0, 4) where none is seen
+    angles: NDArray[np.float64]  #: (n_beams, 4), see mapper.sensors.beam_fields.beam_fields; (0, 4) if unused
+    fields: NDArray[
+        np.float64
+    ]  #: (n_beams, 4), see mapper.sensors.beam_fields.beam_fields; (0, 4) if no fields are used
     range_min: float  #: m
     range_max: float  #: m
-    numbers: NDArray[np.int64]  #: (n_scans,) of the scan; rows of one scan, its deskewed beams, follow one another
+    numbers: NDArray[np.int64]  #: (n_scans,) scan indices; the rows of one scan (its deskewed beams) are consecutive
 
     @cached_property
     def sensors(self) -> NDArray[np.float64]:
@@ -54,18 +57,18 @@ class ScanBatch:
         return directions(self.angles.tobytes())
 
     def headings(self, geometry: GridGeometry) -> NDArray[np.float64]:
-        """Return the cosine and sine (n_scans, 2) of the sensor's heading along the lattice."""
+        """Return the cosine and sine (n_scans, 2) of the sensor's heading relative to the lattice."""
         if geometry.origin[2] == 0.0:
             return np.ascontiguousarray(self.sensors[:, 2:])
         theta = np.ascontiguousarray(self.sensor_poses[:, 2] - geometry.origin[2])
         return np.column_stack([np.cos(theta), np.sin(theta)])
 
     def scans_on(self, geometry: GridGeometry) -> Scans:
-        """Return all scans as the kernels take them, on the lattice of ``geometry``."""
+        """Return all scans in the form that the kernels use, on the lattice of ``geometry``."""
         return Scans(self.ranges, self.sensors, self.beams, self.fields, self.headings(geometry), self.numbers)
 
     def chunks_on(self, geometry: GridGeometry) -> list[Scans]:
-        """Return the scans as :meth:`scans_on`, in chunks of about half a million readings, none within a scan."""
+        """Return the scans of :meth:`scans_on` in chunks of about half a million readings; scans are not split."""
         step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
         scans, n = self.scans_on(geometry), len(self.ranges)
         ends = scan_ends(self.numbers)
@@ -73,14 +76,15 @@ class ScanBatch:
         return [part_of(scans, first, stop) for first, stop in pairwise(edges.tolist())]
 
     def bounds(self, reading_filter: ReadingFilter, *, fields: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the least and the greatest x, y (2,), metres in the map, of the sensors and of all that they see.
+        """Return the minimum and maximum x, y (2,), metres in the map, of the sensors and of everything that they
+        observe.
 
-        With ``fields`` a beam sees its whole field, otherwise only its axis.
+        With ``fields`` the whole field of each beam counts, otherwise only its axis.
         """
         out = np.array([np.inf, np.inf, -np.inf, -np.inf])
         directions = [self.beams]
         if fields and len(self.fields):
-            # A field ends in an arc, which is within the polygon of three corners around it: right, middle and left.
+            # A field ends in an arc, which lies within the polygon of three corners around it: right, middle and left.
             right, left = self.fields[:, :2], self.fields[:, 2:]
             cos_half = np.minimum(np.sum(right * self.beams, axis=1), np.sum(left * self.beams, axis=1))
             stretch = 1.0 / np.cos(0.5 * np.arccos(np.clip(cos_half, 0.0, 1.0)))[:, np.newaxis]
@@ -90,20 +94,20 @@ class ScanBatch:
         return out[:2], out[2:]
 
 
-@lru_cache(maxsize=32)  # the scans of a live robot, and of all of one kind, have the same bearings
+@lru_cache(maxsize=32)  # the scans of a live robot, and of all robots of one kind, have the same bearings
 def directions(angles: bytes) -> NDArray[np.float64]:
-    """Return the cosine and sine (n, 2) of float64 angles, radians. It is shared and must not be modified."""
+    """Return the cosine and sine (n, 2) of float64 angles, radians. The array is shared and must not be modified."""
     radians = np.frombuffer(angles)
     return np.column_stack([np.cos(radians), np.sin(radians)])
 
 
 def scan_ends(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the row after the last one of each scan; ``numbers`` (n_rows,) as those of :class:`Scans`."""
+    """Return the row after the last row of each scan. ``numbers`` (n_rows,) are those of :class:`Scans`."""
     return np.flatnonzero(np.diff(numbers, append=numbers[-1:] - 1)) + 1
 
 
 def is_deskewed(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> bool:
-    """Return whether beams are placed each at a pose of its own where the poses allow it."""
+    """Return whether beams get individual poses if the trajectory allows it."""
     return plan.deskew != "off" and log.can_deskew(trajectory)
 
 
@@ -117,9 +121,9 @@ def deskewed_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> ND
 
 
 def covered_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.bool_]:
-    """Return which scans (n_scans,) have a known pose; others say nothing.
+    """Return which scans (n_scans,) have a known pose; others contribute nothing.
 
-    By the time offset they lie between the first and the last pose.
+    With the time offset applied, they lie between the first and the last pose.
     """
     robot_path = log.trajectory(trajectory)
     known = np.ones(log.n_scans, dtype=np.bool_) if robot_path.is_known is None else robot_path.is_known
@@ -129,7 +133,7 @@ def covered_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDA
 
 
 def _shifted(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
-    """Return the times (n_scans,), seconds, at which the poses of the scans are looked up along a trajectory."""
+    """Return the times (n_scans,), seconds, at which the scans' poses are looked up on a trajectory."""
     return seconds(log) + log.trajectory(trajectory).offset_of_stamps(plan.time_offset)
 
 
@@ -139,7 +143,7 @@ def _are_dense(log: ScanLog, motion: Motion, first: NDArray[np.float64]) -> NDAr
 
 
 def base_poses(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
-    """Return the robot's pose (n_scans, 3) at each scan's stamp, the stamps shifted by the plan's time offset."""
+    """Return the robot's pose (n_scans, 3) at each scan's stamp plus the plan's time offset."""
     if log.trajectory(trajectory).offset_of_stamps(plan.time_offset) == 0.0 or log.n_scans == 0:
         return log.trajectory(trajectory).poses
     return Motion.of(log, trajectory).at(_shifted(log, plan, trajectory))
@@ -148,11 +152,11 @@ def base_poses(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArra
 def sensor_poses_of_readings(
     log: ScanLog, plan: UpdatePlan, trajectory: str | None, scans: NDArray[np.int64], beams: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return ``T_map_laser`` (n, 3), mount corrected, of n readings: ``beams`` (n,) of ``scans`` (n,).
+    """Return ``T_map_laser`` (n, 3), mount corrected, of the readings ``beams`` (n,) of ``scans`` (n,).
 
-    A deskewed beam gets the pose at its own time, stamp + offset + beam · time_increment, interpolated between the
-    poses of the trajectory. With ``deskew`` "auto" beams of a scan get it where the poses around its sweep are dense,
-    as :meth:`mapper.sensors.motion.Motion.is_dense`; all others have the pose of their scan.
+    A deskewed beam has the pose at its own time, stamp + offset + beam · time_increment, interpolated on the
+    trajectory. With ``deskew`` "auto", only the beams of scans with dense poses around their sweep are deskewed
+    (:meth:`mapper.sensors.motion.Motion.is_dense`). All others have the pose of their scan.
     """
     if is_deskewed(log, plan, trajectory):
         poses = _poses_of_beams(log, plan, trajectory, scans, beams[:, np.newaxis])[:, 0]
@@ -178,7 +182,7 @@ def _poses_of_beams(
 def scan_batches_of_log(
     log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
 ) -> Iterator[ScanBatch]:
-    """Yield the scans [start, stop) of a log, in parts that bound the memory where they are deskewed."""
+    """Yield the scans [start, stop) of a log, in parts of bounded memory if they are deskewed."""
     step = max(1, stop - start)
     if is_deskewed(log, plan, trajectory):
         step = max(1, _DESKEWED_READINGS // log.n_beams)
@@ -189,7 +193,7 @@ def scan_batches_of_log(
 def scan_batch_of_log(log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int) -> ScanBatch:
     """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount.
 
-    Scans that a time offset moves to before the first or after the last pose say nothing.
+    Scans whose time, with the offset, is before the first or after the last pose contribute nothing.
     """
     ranges = _covered_ranges(log, plan, trajectory, start, stop)
     if not is_deskewed(log, plan, trajectory):
@@ -244,25 +248,25 @@ def _fields(sensor: RangeScan | ScanLog, angles: NDArray[np.float64], plan: Upda
 
 @lru_cache(maxsize=32)
 def _even_fields(angle_min: float, angle_increment: float, n_beams: int, widest: float) -> NDArray[np.float64]:
-    """Return :func:`beam_fields`. It is shared by all scans of one kind and must not be modified."""
+    """Return :func:`beam_fields`. The array is shared by all scans of one kind and must not be modified."""
     return beam_fields(angle_min, angle_increment, n_beams, widest)
 
 
 def bearings(sensor: RangeScan | ScanLog, plan: UpdatePlan) -> NDArray[np.float64]:
-    """Return the bearings (n_beams,) as the corrected mount has them, radians."""
+    """Return the bearings (n_beams,), radians, with the mount correction applied."""
     return -sensor.angles if plan.upside_down else sensor.angles
 
 
 def _covered_ranges(
     log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
 ) -> NDArray[np.float32]:
-    """Return the ranges (stop − start, n_beams), NaN in scans whose pose is not known (:func:`covered_scans`)."""
+    """Return the ranges (stop − start, n_beams), NaN in scans without a known pose (:func:`covered_scans`)."""
     ranges, covered = log.ranges[start:stop], covered_scans(log, plan, trajectory)[start:stop]
     return ranges if covered.all() else np.where(covered[:, np.newaxis], ranges, np.float32(np.nan))
 
 
 def _readings(ranges: NDArray[np.float32], plan: UpdatePlan) -> NDArray[np.float32]:
-    """Return the ranges as they are mapped: no return as the greatest range where it is taken for a hit."""
+    """Return the ranges used for mapping: no return becomes the maximum range if it counts as a hit."""
     if not plan.no_return_is_hit:
         return ranges
     # NumPy compares a float32 with a Python float as two float32, hence the float().
@@ -275,10 +279,10 @@ def _readings(ranges: NDArray[np.float32], plan: UpdatePlan) -> NDArray[np.float
 
 @dataclass(frozen=True, slots=True)
 class PosedScan:
-    """A scan, and the poses (3,) that it is seen from: ``T_map_base`` and ``T_map_laser``.
+    """A scan with the poses (3,) ``T_map_base`` and ``T_map_laser`` from which it was taken.
 
-    Neither pose includes the correction of the mount in the parameters. Of a deskewed scan each beam ends where it ends
-    in the map: its ranges and bearings are those from the sensor's pose at the scan's stamp.
+    Neither pose includes the mount correction of the parameters. For a deskewed scan, ranges and bearings describe the
+    beams' endpoints in the map relative to the sensor's pose at the scan's stamp.
     """
 
     base_pose: NDArray[np.float64]
@@ -287,7 +291,7 @@ class PosedScan:
 
 
 def placed_scan(log: ScanLog, config: MappingConfig, trajectory: str | None, index: int) -> PosedScan:
-    """Return scan ``index`` as ``config`` has it in the map. Raises :class:`ConfigError` for an unknown trajectory."""
+    """Return scan ``index`` placed in the map by ``config``. Raises :class:`ConfigError` for an unknown trajectory."""
     if isinstance(log, JointLog):
         part = log.parts[int(log.part_of_scan[index])]
         return placed_scan(part, config, trajectory, int(log.scan_of_part[index]))
@@ -303,7 +307,7 @@ def placed_scan(log: ScanLog, config: MappingConfig, trajectory: str | None, ind
 
 
 def base_pose(log: ScanLog, plan: UpdatePlan, trajectory: str | None, index: int) -> NDArray[np.float64]:
-    """Return the robot's pose (3,) at the stamp of scan ``index``, shifted by the plan's time offset."""
+    """Return the robot's pose (3,) at the stamp of scan ``index`` plus the plan's time offset."""
     offset = log.trajectory(trajectory).offset_of_stamps(plan.time_offset)
     if offset == 0.0:
         return np.asarray(log.trajectory(trajectory).poses[index])
@@ -313,10 +317,10 @@ def base_pose(log: ScanLog, plan: UpdatePlan, trajectory: str | None, index: int
 def deskewed_beams(
     log: ScanLog, plan: UpdatePlan, trajectory: str | None, index: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Return range and bearing (n_beams,) of where the beams of scan ``index`` end, metres and radians.
+    """Return range and bearing (n_beams,), metres and radians, of the endpoints of the beams of scan ``index``.
 
-    They are seen from where the sensor, mount corrected, was at the scan's stamp. Readings that are no number of metres
-    stay as they are, in the direction in which the sensor looked then.
+    They are relative to the sensor's pose, mount corrected, at the scan's stamp. Readings that are not a number of
+    metres keep their value, in the direction of the sensor at that time.
     """
     beams = np.arange(log.n_beams)
     poses = sensor_poses_of_readings(log, plan, trajectory, np.full(log.n_beams, index), beams)
@@ -332,5 +336,5 @@ def deskewed_beams(
 
 
 def without_mount_correction(plan: UpdatePlan) -> UpdatePlan:
-    """Return the plan for a sensor that is mounted as its log says."""
+    """Return the plan for a sensor mounted as stated in its log."""
     return replace(plan, mount=(0.0, 0.0, 0.0), upside_down=False)

@@ -1,9 +1,9 @@
-"""Inverse sensor models: what a reading z says of a cell at distance r, at an angle φ from the beam's axis.
+"""Inverse sensor models: the evidence of a reading z for a cell at distance r and angle φ from the beam's axis.
 
-Each model is a frozen dataclass; :meth:`increment` is its profile, ``inverse_sensor_model(r, φ) − ℓ₀`` in log-odds, as
-the pages draw it and as :mod:`mapper.mapping.textbook` puts it into a map. Metres and radians. Sources: Thrun, Burgard
-& Fox, Probabilistic Robotics, table 9.2 (``inverse_range_sensor_model``); Moravec & Elfes, High resolution maps from
-wide angle sonar, ICRA 1985; and where a model names another.
+Each model is a frozen dataclass; :meth:`increment` is its profile, ``inverse_sensor_model(r, φ) − ℓ₀`` in log-odds,
+which the pages plot and :mod:`mapper.mapping.textbook` adds to a map. Metres and radians. Sources: Thrun, Burgard &
+Fox, Probabilistic Robotics, table 9.2 (``inverse_range_sensor_model``); Moravec & Elfes, High resolution maps from wide
+angle sonar, ICRA 1985; and those named by the models.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NoReturn = Literal["ignore", "free", "hit"]
 class BeamModel(Protocol):
     """Base of all models: free before the reading, occupied near it, unknown beyond.
 
-    ``log_odds_miss`` and ``log_odds_hit`` are the strongest evidence that it gives for free and for occupied.
+    ``log_odds_miss`` and ``log_odds_hit`` are the strongest evidence for free and for occupied.
     """
 
     @property
@@ -33,19 +33,19 @@ class BeamModel(Protocol):
     def log_odds_hit(self) -> float: ...  # noqa: D102 - the class says it
 
     def half_window(self, z: float) -> float:
-        """Return the greatest |r − z| at which a cell counts as hit by a reading ``z``, metres."""
+        """Return the greatest |r − z|, metres, at which a cell counts as hit by a reading ``z``."""
         ...
 
     def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
-        """Return the evidence of a measured ``z`` at distances ``r`` and angles ``theta`` (any shapes that fit)."""
+        """Return the evidence of a measured ``z`` at distances ``r`` and angles ``theta`` (shapes that broadcast)."""
         ...
 
 
 class InverseSensorModel(Protocol):
-    """A sensor model of your own, as :func:`mapper.mapping.integrate.integrate_scan` takes it: thin beams, updated per
-    beam.
+    """User-defined sensor model for :func:`mapper.mapping.integrate.integrate_scan`: thin beams, updated per beam.
 
-    ``reach`` is how far behind a reading it gives evidence, metres: it is evaluated for cells up to r = z + reach.
+    ``reach`` is how far behind a reading there is evidence, metres: the model is evaluated for cells up to r = z +
+    reach.
     """
 
     @property
@@ -54,11 +54,10 @@ class InverseSensorModel(Protocol):
     def increments(self, r: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> ArrayLike:
         """Return the increments (m,), ``inverse_sensor_model − ℓ₀`` in log-odds, finite.
 
-        One entry for each cell that a beam of the scan crosses: ``r`` (m,) is the distance from the sensor to the
-        cell's centre, and exactly z for the cell that holds the endpoint; with a ``reach`` of 0 it is below z for all
-        others.
-        ``z`` (m,) is the beam's reading, +inf for no return, of which a model is asked only with ``no_return`` "free",
-        up to ``range_max``, the greatest range that counts. All in metres.
+        There is one entry for each cell that a beam of the scan crosses. ``r`` (m,) is the distance from the sensor to
+        the cell's centre, and exactly z for the cell that holds the endpoint; with a ``reach`` of 0 it is below z for
+        all others. ``z`` (m,) is the beam's reading, +inf for no return; such beams are included only with
+        ``no_return`` "free". ``range_max`` is the maximum range that counts. All in metres.
         """
         ...
 
@@ -66,11 +65,11 @@ class InverseSensorModel(Protocol):
 def beam_profile(
     model: BeamModel, z: float, r: ArrayLike, range_max: float = np.inf, *, no_return: NoReturn = "ignore"
 ) -> NDArray[np.float64]:
-    """Return the increment that a reading ``z`` gives at distances ``r`` (any shape) along its beam, in log-odds.
+    """Return the increment of a reading ``z`` at distances ``r`` (any shape) along its beam, in log-odds.
 
     Metres in, ``inverse_sensor_model(r) − ℓ₀`` out. A ``z`` beyond ``range_max`` is no return: 0 everywhere, the miss
-    increment up to ``range_max`` with ``no_return`` "free", or the profile of a reading of ``range_max`` with "hit".
-    A ``z`` that is NaN or not positive is no reading: 0 everywhere.
+    increment up to ``range_max`` with ``no_return`` "free", or the profile of a reading of ``range_max`` with "hit". A
+    ``z`` that is NaN or not positive is invalid: 0 everywhere.
     """
     distance = np.asarray(r, dtype=np.float64)
     if np.isnan(z) or z <= 0.0:
@@ -106,10 +105,10 @@ def _check_opening(opening: float) -> None:
 
 @dataclass(frozen=True, slots=True)
 class FixedIncrements:
-    """Fixed evidence: ``log_odds_miss`` for a cell that a beam passed, ``log_odds_hit`` for one that it ended in.
+    """Fixed evidence: ``log_odds_miss`` for a cell that a beam passes, ``log_odds_hit`` for one in which it ends.
 
-    With ``window`` w > 0 metres every cell within w/2 of the reading counts as one it ended in; with w = 0 only the
-    cell that holds the endpoint does. Source: OctoMap (Hornung et al. 2013, section 5.1: −0.4, +0.85).
+    With ``window`` w > 0 metres every cell within w/2 of the reading is a hit; with w = 0 only the cell that holds the
+    endpoint is. Source: OctoMap (Hornung et al. 2013, section 5.1: −0.4, +0.85).
     """
 
     log_odds_miss: float = -0.4
@@ -168,11 +167,11 @@ class StepWindow:
 
 @dataclass(frozen=True, slots=True)
 class SmoothRamp:
-    """A ramp without steps, as wide as the reading is uncertain: σ(z) = ``sigma`` + ``sigma_growth`` · z, metres.
+    """A smooth ramp that widens with the uncertainty of the reading, σ(z) = ``sigma`` + ``sigma_growth`` · z, metres.
 
     Evidence rises from ``log_odds_miss`` at r = z − 2σ to ``log_odds_hit`` at r = z and falls to 0 at r = z + 2σ, both
-    along the cubic 3t² − 2t³, so that neither the value nor the slope jumps. The cell that holds the endpoint gets the
-    full ``log_odds_hit``. The shape is that of Elfes, Using occupancy grids for mobile robot perception and navigation,
+    along the cubic 3t² − 2t³, so that value and slope are continuous. The cell that holds the endpoint gets the full
+    ``log_odds_hit``. The shape is that of Elfes, Using occupancy grids for mobile robot perception and navigation,
     Computer 1989 (a profile computed from a Gaussian sensor), with a cubic in place of the integral.
     """
 
@@ -211,10 +210,10 @@ def _smoothstep(t: NDArray[np.float64]) -> NDArray[np.float64]:
 class SonarCone:
     """A cone of ``opening`` radians: ``log_odds_hit`` near the range, ``log_odds_miss`` closer, 0 elsewhere.
 
-    Near the range is |r − z| ≤ w/2 with w = ``window`` metres. ``profile`` "flat" gives every cell the same, which is
-    table 9.2 of Probabilistic Robotics with the opening angle β; "gaussian" weights the evidence by exp(−φ²/2σ²) with
-    σ = opening/4 in angle, and in range by 1 − (r/(z − w/2))² before the window and 1 − ((r − z)/(w/2))² in it: the
-    profiles of Moravec & Elfes 1985 with the Gaussian of Elfes 1989 in angle.
+    Near the range is |r − z| ≤ w/2 with w = ``window`` metres. ``profile`` "flat" uses the same evidence for every
+    cell, which is table 9.2 of Probabilistic Robotics with the opening angle β; "gaussian" weights the evidence by
+    exp(−φ²/2σ²) with σ = opening/4 in angle, and in range by 1 − (r/(z − w/2))² before the window and 1 − ((r −
+    z)/(w/2))² in it: the profiles of Moravec & Elfes 1985 with the Gaussian of Elfes 1989 in angle.
     """
 
     log_odds_miss: float = -0.4
@@ -242,7 +241,9 @@ class SonarCone:
 
 
 def _range_weight(r: ArrayLike, z: float, half: float) -> NDArray[np.float64]:
-    """Return the quadratic of Moravec & Elfes 1985: 1 at the sensor falling to 0 at the window, and 1 at z in it."""
+    """Return the quadratic of Moravec & Elfes 1985: falling from 1 at the sensor to 0 at the window, and 1 at z inside
+    it.
+    """
     distance = np.asarray(r, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         empty = 1.0 - (distance / (z - half)) ** 2
@@ -252,13 +253,12 @@ def _range_weight(r: ArrayLike, z: float, half: float) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, slots=True)
 class MoravecElfes:
-    """The grids of 1985: a reading has a degree of certainty that a cell is empty, and one that it is occupied.
+    """Grids of 1985: a reading has a degree of certainty that a cell is empty, and another that it is occupied.
 
-    With β = ``opening`` radians and ε = w/2 = half of ``window`` metres, for |φ| ≤ β/2:
-    empty (r, φ) = (1 − (r/(z − ε))²) · (1 − (2φ/β)²) for r < z − ε, and
-    occupied (r, φ) = (1 − ((r − z)/ε)²) · (1 − (2φ/β)²) for |r − z| ≤ ε. They are combined by rules of their own, no
-    Bayes filter: see :func:`mapper.mapping.textbook.update_moravec_elfes`. Source: Moravec & Elfes 1985, with R_min =
-    0.
+    With β = ``opening`` radians and ε = w/2 = half of ``window`` metres, for |φ| ≤ β/2: empty (r, φ) = (1 − (r/(z −
+    ε))²) · (1 − (2φ/β)²) for r < z − ε, and occupied (r, φ) = (1 − ((r − z)/ε)²) · (1 − (2φ/β)²) for |r − z| ≤ ε. They
+    are not combined by a Bayes filter: see :func:`mapper.mapping.textbook.update_moravec_elfes`. Source: Moravec &
+    Elfes 1985, with R_min = 0.
     """
 
     window: float = 0.2
@@ -282,13 +282,13 @@ class MoravecElfes:
         return self.window / 2.0
 
     def empty(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
-        """Return the certainty 0 … 1 that a reading ``z`` gives for "empty"."""
+        """Return the certainty of "empty", 0 to 1, for a reading ``z``."""
         distance = np.asarray(r, dtype=np.float64)
         weight = _range_weight(distance, z, self.half_window(z)) * self._off_axis(theta)
         return np.where(distance < z - self.half_window(z), weight, 0.0)
 
     def occupied(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
-        """Return the certainty 0 … 1 that a reading ``z`` gives for "occupied", before it is normalised."""
+        """Return the certainty of "occupied", 0 to 1, for a reading ``z``, before normalisation."""
         distance = np.asarray(r, dtype=np.float64)
         weight = _range_weight(distance, z, self.half_window(z)) * self._off_axis(theta)
         near = (distance >= z - self.half_window(z)) & (distance <= z + self.half_window(z))
@@ -299,14 +299,14 @@ class MoravecElfes:
         return np.where(np.abs(off) <= 1.0, 1.0 - off * off, 0.0)
 
     def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
-        """Return the certainty itself, no log-odds: that of "occupied" less that of "empty", −1 … 1."""
+        """Return the certainty of "occupied" minus that of "empty", −1 to 1; these are not log-odds."""
         return self.occupied(r, z, theta) - self.empty(r, z, theta)
 
     @staticmethod
     def log_odds(empty: ArrayLike, occupied: ArrayLike) -> NDArray[np.float64]:
-        """Return what a map shows of the two certainties: ℓ of p = (1 + v)/2.
+        """Return the log-odds that a map shows for the two certainties: ℓ of p = (1 + v)/2.
 
-        v is the greater of both, counted negative where it is that of "empty": the thresholding of 1985.
+        v is the greater certainty, negated if it is that of "empty": the thresholding of 1985.
         """
         against, speaks = np.asarray(empty, dtype=np.float64), np.asarray(occupied, dtype=np.float64)
         value = np.where(speaks >= against, speaks, -against)
@@ -315,15 +315,15 @@ class MoravecElfes:
 
 @dataclass(frozen=True, slots=True)
 class HitCounting:
-    """Reflection maps: count how often a beam ended in a cell and how often one passed it.
+    """Reflection maps: count how often beams end in a cell and how often they pass it.
 
-    With n hits among n + m visits, and a Beta prior that counts as ``prior_weight`` n₀ visits with a share of
-    ``p_prior`` hits, the posterior mean is p = (n + n₀·p_prior) / (n + m + n₀): n₀ = 2 and p_prior = ½ is Laplace's
+    With n hits among n + m visits, and a Beta prior equivalent to ``prior_weight`` n₀ visits with a fraction
+    ``p_prior`` of hits, the posterior mean is p = (n + n₀·p_prior) / (n + m + n₀): n₀ = 2 and p_prior = ½ is Laplace's
     rule of succession, n₀ → 0 the maximum likelihood map. p is the probability that the cell *reflects* a beam, which
-    is not "occupied": a cell half of which is wall converges to ½ however often it is observed, where a Bayes filter
-    converges to 0 or 1. ``window`` w metres as in :class:`FixedIncrements`. Source: Burgard, Stachniss, Bennewitz &
-    Arras, Introduction to Mobile Robotics, "Grid maps and reflection maps"; Hähnel, Triebel, Burgard & Thrun, ICRA
-    2003.
+    is not the probability of "occupied": a cell half filled by a wall converges to ½ with more observations, while a
+    Bayes filter converges to 0 or 1. ``window`` w metres as in :class:`FixedIncrements`. Source: Burgard, Stachniss,
+    Bennewitz & Arras, Introduction to Mobile Robotics, "Grid maps and reflection maps"; Hähnel, Triebel, Burgard &
+    Thrun, ICRA 2003.
     """
 
     prior_weight: float = 2.0
@@ -359,5 +359,5 @@ class HitCounting:
         return self.window / 2.0
 
     def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002
-        """Return what the first visit of a cell changes."""
+        """Return the change made by the first visit of a cell."""
         return _step(r, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)

@@ -1,10 +1,10 @@
-"""Occupancy grid mapping as in the literature: plain Python, one step after another.
+"""Occupancy grid mapping as in the literature, step by step in plain Python.
 
 Thrun, Burgard & Fox, Probabilistic Robotics (2005): table 4.2 (the binary Bayes filter in log-odds), table 9.1
-(occupancy grid mapping), table 9.2 (the inverse range sensor model). Which cells a beam crosses is in
-:mod:`mapper.mapping.textbook_traversal`. This is the readable statement of what :mod:`mapper.mapping.kernels` compute
-fast; the two agree to the last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose``
-is always ``T_map_laser``, metres and radians.
+(occupancy grid mapping), table 9.2 (the inverse range sensor model). Beam traversal is in
+:mod:`mapper.mapping.textbook_traversal`. This is the readable version of :mod:`mapper.mapping.kernels`. The two agree
+to the last bit, or to 1e-6 if exponentials, angles or powers are involved. ``sensor_pose`` is always ``T_map_laser``,
+metres and radians.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from mapper.mapping.sensor_model import HitCounting, MoravecElfes
 from mapper.mapping.textbook_traversal import Cell, Point, amanatides_woo, bresenham
 from mapper.sensors.scan import RangeScan
 
-NumberedEvidence: TypeAlias = list[tuple[int, dict[Cell, float]]]  #: what each beam says, with the beam's number
-View: TypeAlias = tuple[RangeScan, ArrayLike]  #: a scan and ``T_map_laser`` (3,) that it was measured from
+NumberedEvidence: TypeAlias = list[tuple[int, dict[Cell, float]]]  #: the evidence of each beam, with the beam's index
+View: TypeAlias = tuple[RangeScan, ArrayLike]  #: a scan and the pose ``T_map_laser`` (3,) from which it was measured
 
 
 def bayes_filter(log_odds: np.float32, evidence: np.float32, config: MappingConfig) -> np.float32:
-    """Return ℓ + log p(x|z) / p(¬x|z) − ℓ₀, clamped: table 4.2. ``evidence`` is the last two terms together."""
+    """Return ℓ + log p(x|z) / p(¬x|z) − ℓ₀, clamped: table 4.2. ``evidence`` is the sum of the last two terms."""
     low, high = config.clamp_limits
     return min(max(log_odds + evidence, np.float32(low)), np.float32(high))
 
 
 def update(grid: OccupancyGrid, cell: Cell, evidence: float, config: MappingConfig) -> int:
-    """Put one piece of evidence into one cell; outside the grid there is nothing to update. Return how many were."""
+    """Add one piece of evidence to one cell, if it is in the grid. Return the number of updates, 0 or 1."""
     if not grid.geometry.contains(cell):
         return 0
     grid.log_odds[cell] = bayes_filter(grid.log_odds[cell], np.float32(evidence), config)
@@ -59,7 +59,7 @@ def occupancy_grid_mapping(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Ar
 
 
 def update_per_beam(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
-    """Follow every beam from the sensor's cell and update each cell that it crosses. Return the number of updates."""
+    """Trace every beam from the sensor's cell and update each cell that it crosses. Return the number of updates."""
     z_max = min(scan.range_max, config.range_max)
     updates = 0
     for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
@@ -69,9 +69,9 @@ def update_per_beam(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike
 
 
 def readings(scan: RangeScan, config: MappingConfig) -> NDArray[np.float64]:
-    """Return the scan's ranges; where "no return" is taken for a hit, a mistake, as if each had come from z_max.
+    """Return the scan's ranges. If no return counts as a hit (a mistake), those become z_max.
 
-    Ranges are kept as float32, so that is the greatest float32 that is not beyond z_max.
+    Ranges are stored as float32, so z_max is rounded to the greatest float32 that does not exceed it.
     """
     ranges = scan.ranges.astype(np.float64)
     z_max = min(scan.range_max, config.range_max)
@@ -92,7 +92,7 @@ def evidence_of_beam(
     z_max: float,
     config: MappingConfig,
 ) -> dict[Cell, float]:
-    """Return what one beam says of each cell: a reading, no return, or (too near, NaN, −Inf) nothing at all."""
+    """Return the evidence of one beam for each cell: a reading, no return, or nothing (too near, NaN, −Inf)."""
     is_cone = config.model == "sonar_cone"
     if z_min <= z <= z_max:
         if is_cone:
@@ -110,7 +110,7 @@ def evidence_of_beam(
 def evidence_in_cone(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, z_max: float, config: MappingConfig
 ) -> dict[Cell, float]:
-    """Return the evidence of a sonar's reading ``z`` for each cell in its cone: none beyond z + w/2."""
+    """Return the evidence of a sonar reading ``z`` for each cell in its cone, up to z + w/2."""
     model = config.beam_model()
     cells, r, theta = cells_in_cone(grid, sensor_pose, bearing, config.opening)
     near = r <= min(z + model.half_window(z), z_max)
@@ -121,7 +121,7 @@ def evidence_in_cone(
 def cells_in_cone(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, opening: float
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the cells (n, 2) whose centre is in a cone, the right edge included, and r and φ of each (n,)."""
+    """Return the cells (n, 2) with centres in a cone, right edge included, and r and φ of each (n,)."""
     r, d_col, d_row = distances(grid, sensor_pose)
     heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
     right, left = (
@@ -137,13 +137,12 @@ def cells_in_cone(
 def evidence_along_beam(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, config: MappingConfig
 ) -> dict[Cell, float]:
-    """Return what a reading ``z`` says of each cell on its beam.
+    """Return the evidence of a reading ``z`` for each cell on its beam.
 
-    The beam runs on Bresenham's line from the sensor's cell to the cell at z + w/2, or crosses exactly the cells that
-    Amanatides and Woo's traversal finds between the sensor and that point. A cell whose centre is at
-    distance r from the sensor is free for r < z − w/2 and occupied for |r − z| ≤ w/2 (for the smooth ramp: between
-    the two); the cell that holds the endpoint is occupied in any case, and with w = 0 it alone is, all
-    before it being free.
+    The beam is Bresenham's line from the sensor's cell to the cell at z + w/2, or Amanatides and Woo's traversal from
+    the sensor to that point. A cell whose centre is at distance r from the sensor is free for r < z − w/2 and occupied
+    for |r − z| ≤ w/2 (for the smooth ramp: between the two); the cell that holds the endpoint is always occupied. With
+    w = 0 it is the only occupied cell, and all cells before it are free.
     """
     model = config.beam_model()
     half = model.half_window(z)
@@ -164,14 +163,14 @@ def evidence_along_beam(
 def evidence_of_no_return(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z_max: float, config: MappingConfig
 ) -> dict[Cell, float]:
-    """Return what a beam without return says: all cells up to the greatest range are free."""
+    """Return the evidence of a beam without return: all cells up to the maximum range are free."""
     return dict.fromkeys(cells_along(grid, sensor_pose, bearing, z_max, config), config.beam_model().log_odds_miss)
 
 
 def cells_along(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, config: MappingConfig
 ) -> list[Cell]:
-    """Return the cells that a beam crosses up to the distance ``z``, in order."""
+    """Return the cells that a beam crosses up to distance ``z``, in order."""
     if config.traversal == "amanatides_woo":
         return amanatides_woo(point_at(grid, sensor_pose, bearing, 0.0), point_at(grid, sensor_pose, bearing, z))
     return bresenham(cell_at(grid, sensor_pose, bearing, 0.0), cell_at(grid, sensor_pose, bearing, z))
@@ -183,14 +182,14 @@ def cells_along(
 def update_hits_first(grid: OccupancyGrid, views: Sequence[View], config: MappingConfig) -> int:
     """Update each cell that the beams of one scan cross, hits first. Return the number of updates.
 
-    ``views`` are the scan and its pose; or, where the robot moved meanwhile, each beam and its own.
+    ``views`` holds the scan and its pose or, for a deskewed scan, each beam and its pose.
     """
     beams = hits_before_misses(evidence_of_beams(grid, views, config), config)
     return sum(update(grid, cell, increment, config) for _, evidence in beams for cell, increment in evidence.items())
 
 
 def evidence_of_beams(grid: OccupancyGrid, views: Sequence[View], config: MappingConfig) -> NumberedEvidence:
-    """Return what each beam of one scan says of each cell."""
+    """Return the evidence of each beam of one scan for each cell."""
     evidence = []
     for scan, sensor_pose in views:
         z_max = min(scan.range_max, config.range_max)
@@ -200,12 +199,12 @@ def evidence_of_beams(grid: OccupancyGrid, views: Sequence[View], config: Mappin
 
 
 def hits_before_misses(beams: NumberedEvidence, config: MappingConfig) -> NumberedEvidence:
-    """Return first the hits of all beams of a scan, then their misses, which are 0 in the cells that the scan hits.
+    """Return the hits of all beams of a scan, then their misses, with 0 for cells that the scan hits.
 
-    A beam that meets a wall at a grazing angle passes cells in which its neighbours end: the wall is there. Sources:
-    OctoMap, whose ``computeUpdate`` takes the occupied cells of a scan out of its free ones, and Cartographer, whose
-    ``ProbabilityGridRangeDataInserter2D`` gives hits priority. Both update a cell once for each scan; here the hits of
-    all beams add up.
+    A beam that meets a wall at a grazing angle passes cells in which neighbouring beams end, although the wall is
+    there. Sources: OctoMap, whose ``computeUpdate`` removes the occupied cells of a scan from its free ones, and
+    Cartographer, whose ``ProbabilityGridRangeDataInserter2D`` gives hits priority. Both update a cell once per scan;
+    here the hits of all beams add up.
     """
     hit = config.beam_model().log_odds_hit
     hits = [(k, {cell: value for cell, value in evidence.items() if value == hit}) for k, evidence in beams]
@@ -232,12 +231,12 @@ def update_per_scan(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike
 def inverse_range_sensor_model(
     grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig
 ) -> NDArray[np.float64]:
-    """Return what a scan says of each cell (rows, cols), NaN outside the perceptual field: table 9.2.
+    """Return the evidence of a scan for each cell (rows, cols), NaN outside the perceptual field: table 9.2.
 
-    A cell whose centre is at distance r belongs to the beam k that is nearest in bearing, at most half an increment
-    away (and in a sonar's cone, at most half its opening angle). It is free for r < z − w/2 and occupied for
-    |r − z| ≤ w/2 and r ≤ z_max. The cells that hold the endpoints of thin beams are occupied in any case: so a window
-    narrower than a cell, w = 0 included, still marks where the beams ended.
+    A cell whose centre is at distance r belongs to the beam k nearest in bearing, at most half an increment away (for a
+    sonar cone, at most half its opening angle). It is free for r < z − w/2 and occupied for |r − z| ≤ w/2 and r ≤
+    z_max. The cells that hold the endpoints of thin beams are always occupied, so a window narrower than a cell, even w
+    = 0, still marks the endpoints.
     """
     model, is_cone = config.beam_model(), config.model == "sonar_cone"
     z_max = min(scan.range_max, config.range_max)
@@ -254,7 +253,7 @@ def inverse_range_sensor_model(
             axis = turned(heading, np.array([np.cos(bearing), np.sin(bearing)]))
             theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
             near = nearest & (r < z - half if half == 0.0 else r <= min(z_max, z + half))
-            # Which beam is nearest was decided above; the angle itself counts only in a cone.
+            # The nearest beam was found above; the angle itself matters only in a cone.
             evidence[near] = model.increment(r[near], z, within(theta[near], config.opening) if is_cone else 0.0)
         elif z > z_max and config.no_return == "free":
             evidence[nearest & (r < z_max)] = model.log_odds_miss
@@ -271,11 +270,11 @@ def inverse_range_sensor_model(
 
 
 def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
-    """Count for each cell how often a beam ended in it and how often one passed it. Return the number of updates.
+    """Count for each cell how often beams end in it and how often they pass it. Return the number of updates.
 
-    Which cells those are is decided as by fixed increments; ``grid.cell_statistics`` holds the hits n and the misses m,
-    and
-    ``grid.log_odds`` those of their posterior mean (n + w·p₀) / (n + m + w), clamped. p₀ is the cell's own prior.
+    The cells are chosen as for fixed increments. ``grid.cell_statistics`` holds the hits n and the misses m, and
+    ``grid.log_odds`` the log-odds of their posterior mean (n + w·p₀) / (n + m + w), clamped. p₀ is the cell's own
+    prior.
     """
     model = cast("HitCounting", config.beam_model())
     hits, misses = statistics_of(grid, config)
@@ -305,10 +304,11 @@ def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arr
 def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
     """Combine a scan's readings with the certainties of each cell, as in 1985. Return the number of updates.
 
-    First what is empty, for all readings: Emp ← Emp + E − Emp·E. Then what is occupied, reading by reading: O is
-    cancelled where the cell is known to be empty, O ← O·(1 − Emp); normalised, so that the whole arc holds one
-    obstacle, O ← O / ΣO; and added, Occ ← Occ + O − Occ·O. Last, ``grid.log_odds`` shows the greater of both, clamped,
-    in each cell where one of them has changed.
+    First the empty certainties, for all readings: Emp ← Emp + E − Emp·E. Then the occupied ones, reading by reading: O
+    is cancelled where the cell is known to be empty, O ← O·(1 − Emp); normalised, so that the whole arc holds one
+    obstacle, O ← O / ΣO; and added, Occ ← Occ + O − Occ·O. Finally ``grid.log_odds`` shows the greater of the two,
+    clamped, in each cell in which one of them has changed.
+
     Source: Moravec & Elfes 1985.
     """
     model = cast("MoravecElfes", config.beam_model())
@@ -352,9 +352,9 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
 
 
 def statistics_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.float32]:
-    """Return the grid's two statistics (2, rows, cols): evidence for occupied, and evidence for empty.
+    """Return the grid's two statistics (2, rows, cols): evidence for occupied and evidence for empty.
 
-    Certainties start at what the prior is sure of, v = 2p − 1; counts start at 0.
+    Certainties start at v = 2p − 1 of the prior; counts start at 0.
     """
     if grid.cell_statistics is None:
         grid.cell_statistics = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
@@ -370,7 +370,7 @@ def statistics_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.floa
 def provenance(
     grid: OccupancyGrid, scans: Sequence[RangeScan], sensor_poses: ArrayLike, cell: Cell, config: MappingConfig
 ) -> list[tuple[int, int, float, np.float32]]:
-    """Return scan, beam, evidence and the log-odds after it of every update that a per-beam map made to ``cell``."""
+    """Return scan, beam, evidence and resulting log-odds of every update of ``cell`` in a per-beam map."""
     return provenance_of_views(
         grid, [[view] for view in zip(scans, np.asarray(sensor_poses), strict=True)], cell, config
     )
@@ -379,7 +379,7 @@ def provenance(
 def provenance_of_views(
     grid: OccupancyGrid, scans: Sequence[Sequence[View]], cell: Cell, config: MappingConfig
 ) -> list[tuple[int, int, float, np.float32]]:
-    """Return :func:`provenance` of scans whose beams may each have a pose of their own."""
+    """Return :func:`provenance` of scans whose beams may have individual poses."""
     contributions = []
     value = grid.prior()[cell]
     for t, views in enumerate(scans):
@@ -395,7 +395,7 @@ def provenance_of_views(
 
 
 def cell_at(grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float) -> Cell:
-    """Return the cell that holds the point at distance ``z`` along a bearing of the sensor."""
+    """Return the cell that contains the point at distance ``z`` along a bearing of the sensor."""
     in_laser = z * np.array([np.cos(bearing), np.sin(bearing)])
     row, col = grid.geometry.world_to_cell(transform_points(sensor_pose, in_laser))
     return int(row), int(col)
@@ -426,11 +426,11 @@ def distances(
 
 
 def within(theta: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
-    """Return angles from the axis of cells in a cone, limited to ± half its opening, which rounding may exceed."""
+    """Clip angles of cells in a cone to ± half its opening, which rounding may exceed."""
     return np.clip(theta, -opening / 2.0, opening / 2.0)
 
 
 def turned(angle: float, direction: NDArray[np.float64]) -> tuple[float, float]:
-    """Return a direction (2,) turned by an angle in radians."""
+    """Rotate a direction (2,) by an angle in radians."""
     cos, sin = np.cos(angle), np.sin(angle)
     return cos * direction[0] - sin * direction[1], sin * direction[0] + cos * direction[1]

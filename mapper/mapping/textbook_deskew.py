@@ -1,4 +1,4 @@
-"""Beams that are measured one after another while the robot moves, in plain Python: a scan as one scan of each beam."""
+"""Deskewing of scans whose beams are measured while the robot moves, in plain Python: one scan per beam."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from mapper.sensors.scan import LaserScan, ScanLog
 def deskewed(
     log: ScanLog, index: int, config: MappingConfig, trajectory: str | None = None
 ) -> list[tuple[LaserScan, NDArray[np.float64]]]:
-    """Return each beam of a scan as a scan of one beam, straight ahead, with the pose that it was measured from.
+    """Return each beam of a scan as a scan of one beam, straight ahead, with the pose from which it was measured.
 
-    Beam k is measured at ``stamp + time_offset + k · time_increment``, and the robot's pose at that time lies between
-    two poses of the trajectory. With ``deskew`` "auto" the beams have the pose at the first one's time where the
-    trajectory does not surround the sweep, or has a gap of more than :data:`mapper.sensors.motion.DENSE_S` around it.
-    A scan before the first or after the last pose says nothing.
+    Beam k is measured at ``stamp + time_offset + k · time_increment``, and the robot's pose at that time is
+    interpolated between two poses of the trajectory. With ``deskew`` "auto", the beams have the pose at the time of the
+    first beam if the trajectory does not cover the sweep, or has a gap of more than
+    :data:`mapper.sensors.motion.DENSE_S` around it. A scan before the first or after the last pose contributes nothing.
+
     Source: the unwarping of Cartographer (Hess et al. 2016) and of laser_geometry.
     """
     stamps = [float(stamp) * 1e-9 for stamp in log.stamps_ns]
@@ -45,9 +46,9 @@ def deskewed(
 
 
 def pose_at(time: float, times: Sequence[float], poses: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the pose (3,) at a time between two ``poses`` (n ≥ 2, 3), of which ``times`` (n,) ascend, seconds.
+    """Interpolate the pose (3,) at a time, given ``poses`` (n ≥ 2, 3) at ascending ``times`` (n,), seconds.
 
-    It is the first or the last pose for a time outside of them.
+    For times outside the range it is the first or last pose.
     """
     if time >= times[-1]:
         return np.array(poses[-1])

@@ -1,8 +1,8 @@
-"""Cells that a line crosses, as in the two papers: one step after another, in plain Python.
+"""Cells that a line crosses, as in the two papers, step by step in plain Python.
 
 Bresenham, Algorithm for computer control of a digital plotter, IBM Systems Journal 4 (1965); Amanatides & Woo, A fast
 voxel traversal algorithm for ray tracing, Eurographics (1987). :mod:`mapper.mapping.kernels.bresenham` and
-:mod:`mapper.mapping.kernels.amanatides_woo` compute the same cells fast.
+:mod:`mapper.mapping.kernels.amanatides_woo` are the fast versions.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ Point = tuple[float, float]  #: column, row, in cells, not floored
 
 
 def bresenham(start: Cell, end: Cell) -> list[Cell]:
-    """Return the cells (row, col) of the line from ``start`` to ``end``, both included, in this order.
+    """Return the cells (row, col) of the line from ``start`` to ``end``, both included, in order.
 
-    One step along the longer axis for each cell; ∇ says whether to step along the shorter one as well. Works in all
-    eight octants by stepping with the signs of the differences and by swapping the axes of a steep line.
+    Each cell is one step along the longer axis; the sign of ∇ decides whether to step along the shorter one as well.
+    Works in all eight octants by stepping with the signs of the differences and by swapping the axes of a steep line.
     """
     (row, col), (d_row, d_col) = start, (end[0] - start[0], end[1] - start[1])
     step_row, step_col = (1 if d_row >= 0 else -1), (1 if d_col >= 0 else -1)
@@ -40,10 +40,10 @@ def bresenham(start: Cell, end: Cell) -> list[Cell]:
 
 
 def amanatides_woo(start: Point, end: Point) -> list[Cell]:
-    """Return every cell (row, col) that the segment from ``start`` to ``end`` crosses, in this order.
+    """Return every cell (row, col) that the segment from ``start`` to ``end`` crosses, in order.
 
-    The points are lattice coordinates (column, row), in cells. t counts along the segment from 0 to 1; the next border
-    is that of the column or of the row, whichever has the smaller t, and through an exact corner the row's comes first.
+    The points are lattice coordinates (column, row), in cells. t runs along the segment from 0 to 1. The next border is
+    the column's or the row's, whichever has the smaller t; at an exact corner the row's comes first.
     """
     (u, v), (d_u, d_v) = start, (end[0] - start[0], end[1] - start[1])
     (col, row), (end_col, end_row) = (int(cell_of(u)), int(cell_of(v))), (int(cell_of(end[0])), int(cell_of(end[1])))

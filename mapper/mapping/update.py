@@ -1,8 +1,8 @@
-"""Adding a batch of scans to a grid, on all cores where that is worth while, in two passes.
+"""Integration of a batch of scans into a grid in two passes, on all cores if worthwhile.
 
-The lines of beams (update per beam), or the fields of scans (update per scan), are planned by scans, then drawn by
-bands of rows. Each cell gets its additions from one thread, in the order of the log, so the result does not depend on
-the number of threads, not even in its last bit.
+The lines of beams (update per beam) or the fields of scans (update per scan) are planned by scans, then drawn by bands
+of rows. Each cell is updated by one thread, in the order of the log, so the result does not depend on the number of
+threads, not even in its last bit.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ from mapper.mapping.scan_batch import ScanBatch, scan_ends
 from mapper.mapping.update_plan import Run, Turns, UpdatePlan, check_beam_length, part_of, update_certainties
 
 WORTH_SHARING = 1 << 12  #: readings: below this a second thread costs more time than it saves
-#: Adds scans, on a number of threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).
+#: Adds scans on a number of threads; returns the number of cell updates and extends a box (row0, row1, col0, col1).
 Update = Callable[[OccupancyGrid, Turns, int, NDArray[np.int64]], int]
 Span = tuple[int, int]
-_ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
-#: One map counts the hits and one the misses: in each of them one of the two adds 1 and the other 0.
+_ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates per cell of the box: below this it is cheaper to mark each one
+#: One map counts the hits and one the misses: each increment adds 1 to one of them and 0 to the other.
 ONE_MISS, ONE_HIT = (
     LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
     for miss in (1.0, 0.0)
 )
-#: Draws the rows [row_low, row_high), widens a box (row0, row1, col0, col1); returns the number of cell updates.
+#: Draws the rows [row_low, row_high), extends a box (row0, row1, col0, col1); returns the number of cell updates.
 Draw = Callable[[int, int, NDArray[np.int64]], int]
-NO_ENDS = np.empty(0, dtype=np.int64)  #: of scans, where hits and misses count alike
+NO_ENDS = np.empty(0, dtype=np.int64)  #: used when hits and misses count alike
 
 
 def draw_cone_evidence(
@@ -55,7 +55,7 @@ def draw_cone_evidence(
     threads: int,
     box: NDArray[np.int64],
 ) -> int:
-    """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched."""
+    """Add all scans to ``grid``. Return the number of cell updates and extend ``box`` (4,) to the touched cells."""
     cells = Cells(grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
     marks_endpoints = any(plan.cone.mark_endpoints for _, plan in turns.sensors)
     marked = np.zeros(grid.log_odds.size if marks_endpoints else 0, dtype=np.bool_)
@@ -75,16 +75,16 @@ def draw_cone_evidence(
 
 
 def update_grid(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> tuple[int, NDArray[np.int64]]:
-    """Add all scans of a batch, as :func:`update_in_turns`."""
+    """Add all scans of a batch like :func:`update_in_turns`."""
     chunks = batch.chunks_on(grid.geometry)
     return update_in_turns(grid, plan, [Turns.of_one(scans, plan) for scans in chunks])
 
 
 def update_in_turns(grid: OccupancyGrid, plan: UpdatePlan, chunks: Sequence[Turns]) -> tuple[int, NDArray[np.int64]]:
-    """Add all scans, one chunk after another; what falls outside the grid is clipped.
+    """Add all scans, chunk by chunk. Cells outside the grid are clipped.
 
-    ``plan`` is that of any sensor: those of all differ in the limits of their readings only. Return the number of cell
-    updates and the box (row0, row1, col0, col1) of what was touched, half-open; it is empty where row1 ≤ row0. Raises
+    ``plan`` is that of any sensor, because the plans differ only in the limits of the readings. Return the number of
+    cell updates and the touched box (row0, row1, col0, col1), half-open; it is empty if row1 ≤ row0. Raises
     :class:`mapper.core.errors.ConfigError` for cells so small that a beam crosses too many of them, and for a grid that
     holds the statistics of another kind of model.
     """
@@ -133,7 +133,7 @@ _UPDATES: Mapping[Statistics, Update] = {
 def _draw(
     grid: OccupancyGrid, turns: Turns, log_odds_update: LogOddsUpdate, threads: int, box: NDArray[np.int64]
 ) -> int:
-    """Add all scans by ``log_odds_update``; return the number of cell updates and widen ``box`` (4,)."""
+    """Add all scans by ``log_odds_update``. Return the number of cell updates and extend ``box`` (4,)."""
     _, plan = turns.sensors[0]
     if plan.draws_cones:
         return draw_cone_evidence(grid, turns, log_odds_update, threads, box)
@@ -146,7 +146,7 @@ class PlannedBeams:
     """Planned updates of beams.
 
     ``planned`` holds the lines (9, n) int32 or the rays (n, 8) float64, ``work`` (rows,) the number of cells in each
-    row of the grid, ``box`` (4,) int64 (row0, row1, col0, col1), half-open, the cells of the grid that are reached.
+    row of the grid, ``box`` (4,) int64 (row0, row1, col0, col1), half-open, the reached cells of the grid.
     """
 
     planned: NDArray[Any]
@@ -171,7 +171,7 @@ def plan_beams(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threads: 
             for (a, b), own, own_box in parts
         ]
     )
-    boxes += [-1, 1, -1, 1]  # an endpoint may be rounded out of the line through it
+    boxes += [-1, 1, -1, 1]  # rounding may move an endpoint out of the line through it
     return PlannedBeams(planned, np.cumsum(work.sum(axis=0))[:-1], _joined(boxes, geometry))
 
 
@@ -182,7 +182,7 @@ def draw_beam_evidence(
     threads: int,
     box: NDArray[np.int64],
 ) -> int:
-    """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched."""
+    """Add all scans to ``grid``. Return the number of cell updates and extend ``box`` (4,) to the touched cells."""
     count = 0
     for scans, plan in turns.pieces:
         beams = plan_beams(scans, grid.geometry, plan, threads)
@@ -191,8 +191,10 @@ def draw_beam_evidence(
 
 
 def count_beams(grid: OccupancyGrid, turns: Turns, threads: int, box: NDArray[np.int64]) -> int:
-    """Count the hits and the misses of each cell, as :func:`draw_beam_evidence` with :data:`ONE_HIT` and
-    :data:`ONE_MISS`. The beams are planned once, and hits are counted without walking along the beams.
+    """Count the hits and the misses of each cell like :func:`draw_beam_evidence` with :data:`ONE_HIT` and
+    :data:`ONE_MISS`.
+
+    The beams are planned once, and hits are counted without tracing the beams.
     """
     hits, misses = grid.with_statistic(0), grid.with_statistic(1)
     count = 0
@@ -209,7 +211,7 @@ def count_beams(grid: OccupancyGrid, turns: Turns, threads: int, box: NDArray[np
 def _drawer(
     grid: OccupancyGrid, beams: PlannedBeams, scans: Scans, plan: UpdatePlan, log_odds_update: LogOddsUpdate
 ) -> Callable[..., int]:
-    """Return the function of (row_low, row_high, box, mark) that adds planned beams to rows of ``grid``."""
+    """Return a function of (row_low, row_high, box, mark) that adds planned beams to rows of ``grid``."""
     cells, frame = _cells(grid), grid.geometry.frame
     smooth, evidence = plan.strategy.smooth, plan.evidence
     ends = scan_ends(scans.numbers) * scans.ranges.shape[1] if plan.only_hits else NO_ENDS
@@ -221,7 +223,7 @@ def _drawer(
 
 
 def _hit_drawer(grid: OccupancyGrid, beams: PlannedBeams) -> Draw:
-    """Return the function that counts the hits of planned lines. They are few: each cell is marked as it is hit."""
+    """Return a function that counts the hits of planned lines. Hits are few, so each cell is marked individually."""
     cells = _cells(grid)
 
     def draw(row_low: int, row_high: int, box: NDArray[np.int64]) -> int:
@@ -242,7 +244,7 @@ def _draw_in_bands(
 
 
 def _joined(boxes: NDArray[np.int64], geometry: GridGeometry) -> NDArray[np.int64]:
-    """Return the box (4,) that holds all boxes (n, 4), clipped to the grid."""
+    """Return the union (4,) of boxes (n, 4), clipped to the grid."""
     (row, col), (row_stop, col_stop) = boxes[:, ::2].min(axis=0), boxes[:, 1::2].max(axis=0)
     return np.array([max(row, 0), min(row_stop, geometry.rows), max(col, 0), min(col_stop, geometry.cols)])
 
@@ -255,7 +257,7 @@ def _draw_with_observed(
     row_high: int,
     box: NDArray[np.int64],
 ) -> int:
-    """Draw a band; mark the observed cells by the method that costs less for this number of updates."""
+    """Draw a band and mark the observed cells by the method that is cheaper for this number of updates."""
     touched = beams.box.copy()
     touched[:2] = touched[:2].clip(row_low, row_high)
     cells = int((touched[1] - touched[0]) * (touched[3] - touched[2]))
@@ -271,10 +273,10 @@ def _draw_with_observed(
 def draw_in_bands(
     draw: Draw, work: NDArray[np.float64], rows: tuple[int, int], threads: int, box: NDArray[np.int64]
 ) -> int:
-    """Draw the rows [first, stop) of ``rows``, one band for each thread; return the number of cell updates.
+    """Draw the rows [first, stop) of ``rows``, one band for each thread. Return the number of cell updates.
 
-    ``work`` (rows of the grid,) is the cost of each row, in any unit; ``box`` (4,) int64 (row0, row1, col0, col1),
-    half-open, is widened to hold the cells that were touched.
+    ``work`` (grid rows,) is the cost of each row, in any unit. ``box`` (4,) int64 (row0, row1, col0, col1), half-open,
+    is extended to the touched cells.
     """
     first, stop = rows
     parts = [(first + low, first + high, box.copy()) for low, high in bands(work[first:stop], threads)]
@@ -287,7 +289,7 @@ def draw_in_bands(
 
 @dataclass(frozen=True, slots=True)
 class PlannedScans:
-    """Planned updates of some scans, with the scans."""
+    """Planned updates of some scans, and the scans."""
 
     scans: Scans
     frame: Frame
@@ -298,10 +300,10 @@ class PlannedScans:
 
 @dataclass(frozen=True, slots=True)
 class PlannedFields:
-    """Planned updates of scans, part by part, with their places in the grid.
+    """Planned updates of scans, part by part, with their positions in the grid.
 
-    ``rows`` and ``words`` (of 32 columns) [first, stop) hold all that they see in the grid; ``work`` (grid rows,) says
-    what each row costs.
+    ``rows`` and ``words`` (of 32 columns) [first, stop) bound the observed part of the grid; ``work`` (grid rows,) is
+    the cost of each row.
     """
 
     parts: list[PlannedScans]
@@ -318,7 +320,7 @@ def draw_field_evidence(
     threads: int,
     box: NDArray[np.int64],
 ) -> int:
-    """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched.
+    """Add all scans to ``grid``. Return the number of cell updates and extend ``box`` (4,) to the touched cells.
 
     Raises :class:`ConfigError` for a grid of MAX_SIDE rows or columns.
     """
@@ -329,7 +331,7 @@ def draw_field_evidence(
 
 
 def _in_turns(planned: Sequence[PlannedFields], turns: Turns) -> PlannedFields:
-    """Return what each sensor's scans will draw as what all will draw in their order."""
+    """Merge the plans of the sensors' scans into the order in which all scans are drawn."""
     if len(planned) == 1:
         return planned[0]
     parts = [part for run in turns.runs for part in _of_run(planned[run[0]].parts, run)]
@@ -339,7 +341,7 @@ def _in_turns(planned: Sequence[PlannedFields], turns: Turns) -> PlannedFields:
 
 
 def _of_run(parts: Sequence[PlannedScans], run: Run) -> Iterator[PlannedScans]:
-    """Yield the scans of a run out of a sensor's, which follow one another in ``parts``."""
+    """Yield the scans of a run from a sensor's consecutive ``parts``."""
     _, first, stop = run
     for part in parts:
         n = len(part.scans.ranges)
@@ -378,7 +380,7 @@ def plan_of_fields(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threa
 
 
 def drawer_of_fields(planned: PlannedFields, grid: OccupancyGrid, log_odds_update: LogOddsUpdate) -> Draw:
-    """Return the function that draws the fields into rows within ``planned.rows``."""
+    """Return a function that draws the fields into rows within ``planned.rows``."""
     (row, row_stop), (word, word_stop) = planned.rows, planned.words
     seen = np.zeros((row_stop - row, word_stop - word), dtype=np.int64)
     seen_place = (row, word, word_stop - word, 0)
@@ -402,7 +404,7 @@ def drawer_of_fields(planned: PlannedFields, grid: OccupancyGrid, log_odds_updat
 
 
 def _seen(views: NDArray[np.int64]) -> tuple[Span, Span]:
-    """Return the rows and the words [first, stop) that hold all views of some scans."""
+    """Return the rows and the words [first, stop) that contain all views of some scans."""
     views = views[views[:, 0] < views[:, 1]]
     if len(views) == 0:
         return (0, 0), (0, 0)

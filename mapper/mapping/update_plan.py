@@ -1,4 +1,4 @@
-"""Plan of an update: parameters and sensor, resolved before any scan is read; scans of several sensors in turns."""
+"""Plan of an update: parameters and sensor, resolved before any scan is read, and scans of several sensors in turns."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from mapper.mapping.sensor_model import BeamModel
 
 @dataclass(frozen=True, slots=True)
 class UpdatePlan:
-    """The parameters of :class:`mapper.mapping.parameters.MappingConfig` as the updates and the kernels take them.
+    """The parameters of :class:`mapper.mapping.parameters.MappingConfig` in the form that updates and kernels use.
 
-    ``no_return`` "free" is part of ``reading_filter``, "hit" is ``no_return_is_hit``. ``clamp`` is (ℓ_min, ℓ_max),
+    ``no_return`` "free" is part of ``reading_filter``; "hit" is ``no_return_is_hit``. ``clamp`` is (ℓ_min, ℓ_max),
     infinite without a clamp. ``mount`` is the pose (m, m, rad) that is composed onto the sensor's. ``deskew`` is "off"
-    for updates that take all beams of a scan together; ``time_offset`` is added to the stamps of the scans, seconds.
-    With ``only_hits`` the misses of a scan count for nothing in the cells that it hits.
+    for updates that process all beams of a scan together. ``time_offset``, seconds, is added to the stamps of the
+    scans. With ``only_hits`` the misses of a scan are ignored in the cells that it hits.
     """
 
     strategy: ModelStrategy
@@ -47,7 +47,7 @@ class UpdatePlan:
 
     @property
     def per_scan(self) -> bool:
-        """Whether each cell is updated once for each scan, by the beam whose field contains it."""
+        """Whether each cell is updated once per scan, by the beam whose field contains it."""
         return self.update == "per_scan" and self.strategy.per_scan
 
     @property
@@ -62,13 +62,13 @@ class UpdatePlan:
 
     @property
     def beam_length(self) -> float:
-        """The distance from the sensor to the far end of the hit window of the longest reading, metres."""
+        """Distance from the sensor to the far end of the hit window of the longest reading, metres."""
         return self.reading_filter.range_max + self.model.half_window(self.reading_filter.range_max)
 
 
-@lru_cache(maxsize=256)  # a simulation maps each scan by itself
+@lru_cache(maxsize=256)  # a simulation maps each scan separately
 def plan_update(config: MappingConfig, range_min: float, range_max: float) -> UpdatePlan:
-    """Return the plan for a sensor that measures from ``range_min`` to ``range_max``, metres."""
+    """Return the plan for a sensor with readings from ``range_min`` to ``range_max``, metres."""
     strategy, model = config.strategy, config.beam_model()
     growth = 4.0 * config.sigma_growth if strategy.smooth else 0.0
     gaussian = GAUSSIAN if config.cone_profile == "gaussian" else FLAT
@@ -102,7 +102,7 @@ def plan_update(config: MappingConfig, range_min: float, range_max: float) -> Up
 
 
 def check_beam_length(metres: float, resolution: float) -> None:
-    """Raise :class:`ConfigError` where a beam of ``metres`` crosses too many cells of ``resolution`` metres."""
+    """Raise :class:`ConfigError` if a beam of ``metres`` crosses too many cells of ``resolution`` metres."""
     if metres / resolution >= MAX_STEPS:
         raise ConfigError(
             "grid.resolution", f"A beam of {metres:g} m crosses {MAX_STEPS} cells or more; choose coarser ones."
@@ -120,14 +120,14 @@ def part_of(scans: Scans, start: int, stop: int) -> Scans:
     )
 
 
-Run = tuple[int, int, int]  #: a sensor's number, and its scans [first, stop)
+Run = tuple[int, int, int]  #: a sensor's index, and its scans [first, stop)
 
 
 @dataclass(frozen=True, slots=True)
 class Turns:
-    """The scans of each of ``sensors``, with the plan of their update, and in which ``runs`` they follow one another.
+    """The scans of each of ``sensors`` with the plan of their update, and the ``runs`` in which they alternate.
 
-    The scans of a sensor come in their order, each once.
+    Each scan of a sensor occurs once, in order.
     """
 
     sensors: Sequence[tuple[Scans, UpdatePlan]]
@@ -152,13 +152,11 @@ class Turns:
 def update_certainties(
     grid: OccupancyGrid, scans: Scans, plan: UpdatePlan, box: NDArray[np.int64], watched: int = -1
 ) -> tuple[int, NDArray[np.int64], NDArray[np.float32]]:
-    """Add all scans to the certainties in ``grid.cell_statistics``; widen ``box`` (4,) to hold what was touched.
+    """Add all scans to the certainties in ``grid.cell_statistics``; extend ``box`` (4,) to the touched cells.
 
-    The update of Moravec and Elfes: one scan after another on one thread.
-
-    Return the number of cell updates and, of the cell number ``watched`` (row · cols + col, −1: none), the readings
-    (n, 2) that touched it, as :func:`mapper.mapping.provenance.contributions`, and its certainties after each
-    (n, 2): occupied, empty.
+    This is the update of Moravec and Elfes, scan by scan on one thread. Return the number of cell updates, the readings
+    (n, 2) that touched the cell ``watched`` (row · cols + col, −1: none), as in
+    :func:`mapper.mapping.provenance.contributions`, and its certainties after each reading (n, 2): occupied, empty.
     """
     assert grid.cell_statistics is not None  # noqa: S101 - begun before
     occupied, empty = (statistic.reshape(-1) for statistic in grid.cell_statistics)

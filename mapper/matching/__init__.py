@@ -1,4 +1,4 @@
-"""Scan matching: the pose at which two scans, a scan and a map, or two maps lie on one another."""
+"""Scan matching: the relative pose that aligns two scans, a scan and a map, or two maps."""
 
 from typing import TYPE_CHECKING
 

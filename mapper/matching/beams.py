@@ -1,4 +1,4 @@
-"""The beams of a sensor as all methods of matching take them, and its readings as points."""
+"""The beams of a sensor in the form that all matching methods use, and their readings as points."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from mapper.matching.kernels.scan_points import write_normals, write_points
 from mapper.matching.kernels.types import ScanArrays
 from mapper.sensors.scan import ScanLog
 
-HALF_WIDTH = 2  #: beams on either side of one whose points make its normal, at least
-REACH = 0.10  #: m: those of beams up to so far across do too, so that dense beams give no noisy normals
+HALF_WIDTH = 2  #: minimum number of beams on either side of a point that contribute to its normal
+REACH = 0.10  #: m: beams within this distance across also contribute, so that dense beams have no noisy normals
 MOST_BEAMS = 20  #: on either side
-LEAST_GAP = 0.10  #: m: neighbours in bearing nearer than this are neighbours on a surface at any range
+LEAST_GAP = 0.10  #: m: neighbours in bearing closer than this are always neighbours on a surface
 MAX_THICKNESS = 0.02  #: m: points that scatter less than this across a line lie on it, however short it is
 FEWEST_BEAMS = 3
-LEAST_RANGE = 0.01  #: m: shorter readings are no walls
+LEAST_RANGE = 0.01  #: m: shorter readings are not walls
 
 
 @dataclass(frozen=True, slots=True)
 class Beams:
     """The beams of a sensor in the order of their bearing in the base frame, counter-clockwise seen from above.
 
-    They are those of the sensor at ``mount`` (3,), ``T_base_laser``: that of the log's first scan, see :meth:`at`.
-    ``indices`` (n,) are their numbers in the log, ``directions`` (n, 2) their directions, which are ``step`` radians
-    apart from ``first`` on; ``sensor`` (2,) is where they begin, metres, and ``times`` (n,) when each is measured after
-    the first, seconds. Readings from ``range_min`` to ``range_max`` metres are points.
+    They belong to the sensor at ``mount`` (3,), ``T_base_laser`` of the log's first scan; see :meth:`at`. ``indices``
+    (n,) are their indices in the log, ``directions`` (n, 2) their directions, ``step`` radians apart starting at
+    ``first``; ``sensor`` (2,) is their origin, metres, and ``times`` (n,) the time of each after the first, seconds.
+    Readings from ``range_min`` to ``range_max`` metres are points.
     """
 
     mount: tuple[float, float, float]
@@ -44,9 +44,9 @@ class Beams:
 
     @classmethod
     def of(cls, log: ScanLog, *, range_max: float = np.inf, most: int | None = None) -> Beams:
-        """Return those of a log's sensor; of more than ``most`` beams each second, third … is taken.
+        """Return the beams of a log's sensor; if there are more than ``most``, every second, third … beam.
 
-        Beams beyond one whole turn are left out, and readings beyond the smaller of the log's ``range_max`` and the
+        Beams beyond one full turn are omitted, and readings beyond the smaller of the log's ``range_max`` and the
         argument. Raises :class:`ConfigError` for fewer than three beams, and for beams that are not evenly spaced.
         """
         if log.n_beams < FEWEST_BEAMS:
@@ -80,7 +80,9 @@ class Beams:
         )
 
     def at(self, mount: Float64Array) -> Beams:
-        """Return the beams of the sensor at another mount (3,), ``T_base_laser``: it may move on the robot."""
+        """Return the beams of the sensor at another mount (3,), ``T_base_laser``, for sensors that move on the
+        robot.
+        """
         x, y, yaw = (float(value) for value in mount)
         if (x, y, yaw) == self.mount:
             return self
@@ -93,7 +95,7 @@ class Beams:
         return len(self.indices)
 
     def room_for(self, n_scans: int) -> ScanArrays:
-        """Return arrays for a number of scans of this sensor, with points, normals and kinds still to be written."""
+        """Allocate arrays for a number of scans of this sensor; points, normals and kinds are not yet written."""
         n = len(self)
         return ScanArrays(
             np.empty((n_scans, n, 2), dtype=np.float32),
@@ -114,8 +116,8 @@ class Beams:
     ) -> None:
         """Write the points, normals and kinds of the readings ``ranges`` (n_scans, n) of these beams into ``scans``.
 
-        ``velocities`` (n_scans, 3) are those of the base in its own frame, metres and radians a second: the points are
-        then where they are seen from the base's pose at the time of the first beam (:func:`write_points`).
+        ``velocities`` (n_scans, 3) are those of the base in its own frame, metres and radians per second. With them the
+        points are relative to the base's pose at the time of the first beam (:func:`write_points`).
         """
         n_scans = len(ranges)
         write_points(
@@ -133,7 +135,7 @@ class Beams:
 
 
 def scan_rows(scans: ScanArrays, begin: int, end: int) -> ScanArrays:
-    """Return the scans from ``begin`` to before ``end``, sharing memory."""
+    """Return the scans [begin, end), sharing memory."""
     rows = slice(begin, end)
     return ScanArrays(
         scans.points[rows],
@@ -148,15 +150,13 @@ def scan_rows(scans: ScanArrays, begin: int, end: int) -> ScanArrays:
 
 
 def prepare_scans(log: ScanLog, first: int = 0, stop: int | None = None) -> ScanArrays:
-    """Return the points of the scans ``first`` to ``stop`` of a log in the frame of its base, and their normals.
+    """Return the points of the scans [first, stop) of a log in its base frame, with normals.
 
-    Readings from the log's ``range_min`` up to its ``range_max`` are points. The mount is applied, of a sensor that
-    moves on the robot that of each scan, and the order is that of the bearing counter-clockwise; beams beyond one whole
-    turn are left out. The normal of a point is that of the line through the points of :data:`HALF_WIDTH` beams on
-    either side and of those within :data:`REACH` metres, see
-    :func:`mapper.matching.kernels.scan_points.write_normals`.
-
-    Raises :class:`ConfigError` for scans that the log lacks, and as :meth:`mapper.matching.beams.Beams.of`.
+    Readings from the log's ``range_min`` to its ``range_max`` are points. The mount is applied, per scan if the sensor
+    moves on the robot, and the points are ordered by bearing, counter-clockwise; beams beyond one full turn are
+    omitted. The normal of a point is that of the line through the points of :data:`HALF_WIDTH` beams on either side and
+    those within :data:`REACH` metres, see :func:`mapper.matching.kernels.scan_points.write_normals`. Raises
+    :class:`ConfigError` for scans that the log lacks, and the errors of :meth:`mapper.matching.beams.Beams.of`.
     """
     last = log.n_scans if stop is None else stop
     if not 0 <= first < last <= log.n_scans:

@@ -1,7 +1,7 @@
-"""Matching by features: walls and the corners that two of them make, paired by RANSAC.
+"""Feature matching: walls, and corners where two walls meet, associated by RANSAC.
 
-A corner is an ordered pair of walls that are not parallel: the point in which their lines meet, and the direction of
-the first. Its descriptor is the angle from the first to the second, so that one pair of corners gives a whole pose.
+A corner is an ordered pair of non-parallel walls: the intersection of their lines, and the direction of the first. Its
+descriptor is the angle from the first to the second, so one pair of corners determines a pose.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from mapper.matching.kernels.types import NO_POINT, ScanArrays
 from mapper.matching.target import Target
 from mapper.matching.task import Task
 
-GAP, THICKNESS, FEWEST = 0.3, 0.06, 5  #: m, m, points: of the walls that are looked for
-SHORTEST = 0.3  #: m: walls that are shorter are left out
-LEAST_ANGLE = np.deg2rad(25.0)  #: between the walls of a corner
-FARTHEST = 30.0  #: m from the sensor: corners beyond, of lines that are nearly parallel, are uncertain
-SAME_ANGLE = np.deg2rad(8.0)  #: corners whose angles differ more, and walls whose directions do, are others
-SAME_M = 0.2  #: walls that lie farther apart are others
-DRAWS = 400  #: greatest number of pairs of corners that are drawn
-SEED = 14  #: of the draws
-APART_M, APART_RAD = 0.4, 0.25  #: hypotheses that are nearer than both are one
+GAP, THICKNESS, FEWEST = 0.3, 0.06, 5  #: m, m, points: parameters of wall extraction
+SHORTEST = 0.3  #: m: shorter walls are ignored
+LEAST_ANGLE = np.deg2rad(25.0)  #: minimum angle between the walls of a corner
+FARTHEST = 30.0  #: m from the sensor: farther corners, of nearly parallel lines, are uncertain
+SAME_ANGLE = np.deg2rad(8.0)  #: tolerance for the angles of matching corners and the directions of matching walls
+SAME_M = 0.2  #: distance tolerance for matching walls
+DRAWS = 400  #: maximum number of sampled pairs of corners
+SEED = 14  #: of the sampling
+APART_M, APART_RAD = 0.4, 0.25  #: hypotheses closer than both are merged
 
 
 @dataclass(frozen=True, slots=True)
 class Walls:
-    """Line segments: ``ends`` (n, 2, 2), the first and the last point, counter-clockwise as the sensor sees them."""
+    """Line segments: ``ends`` (n, 2, 2), first and last point, counter-clockwise as seen from the sensor."""
 
     ends: Float64Array
 
@@ -48,7 +48,9 @@ class Walls:
 
 
 def walls_of(scans: ScanArrays, i: int) -> Walls:
-    """Return the walls of scan i in its base frame: the runs of split and merge, each on its own principal axis."""
+    """Return the walls of scan i in its base frame: the runs of split and merge, each fitted along its principal
+    axis.
+    """
     runs = np.empty((scans.points.shape[1], 2), dtype=np.int64)
     count = split_scan(scans, i, GAP, THICKNESS, FEWEST, runs)
     ends = [_fitted(scans, i, run) for run in runs[:count]]
@@ -57,7 +59,7 @@ def walls_of(scans: ScanArrays, i: int) -> Walls:
 
 
 def _fitted(scans: ScanArrays, i: int, run: Int64Array) -> Float64Array:
-    """Return the first and last point (2, 2) of a run on the line with the least squared distances to its points."""
+    """Return the first and last point (2, 2) of a run projected onto its total least-squares line."""
     beams = slice(run[0], run[1] + 1)
     points = scans.points[i, beams][scans.kind[i, beams] != NO_POINT].astype(np.float64)
     mean = points.mean(axis=0)
@@ -67,7 +69,7 @@ def _fitted(scans: ScanArrays, i: int, run: Int64Array) -> Float64Array:
 
 
 def corners_of(walls: Walls) -> tuple[Float64Array, Float64Array]:
-    """Return the corners' poses (n, 3), the point and the first wall's direction, and their angles (n,), radians."""
+    """Return the poses (n, 3) of the corners, point and direction of the first wall, and their angles (n,), radians."""
     directions, starts = walls.directions, walls.ends[:, 0]
     n = len(directions)
     first, second = (part.ravel() for part in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
@@ -84,7 +86,7 @@ def corners_of(walls: Walls) -> tuple[Float64Array, Float64Array]:
 
 
 def support(walls: Walls, others: Walls, poses: Float64Array) -> Float64Array:
-    """Return the length (k,) of ``walls`` at each of ``poses`` (k, 3) that lies on one of ``others``, metres."""
+    """Return the length (k,), metres, of ``walls`` that lies on one of ``others`` at each of ``poses`` (k, 3)."""
     lengths, total = walls.lengths, np.zeros(len(poses))
     directions = others.directions
     along = np.stack([np.cos(directions), np.sin(directions)], axis=-1)
@@ -109,10 +111,10 @@ def walls_of_target(target: Target) -> Walls:
 
 
 def poses_by_features(task: Task) -> Float64Array:
-    """Return the poses (k, 3) in the window on which most of the walls agree, the best first; perhaps none.
+    """Return the poses (k, 3) in the window on which most of the walls agree, best first; possibly none.
 
-    Source: Fischler & Bolles 1981 (RANSAC): pairs of corners of equal angle are drawn, at most :data:`DRAWS`, each
-    gives a pose, and the pose counts by the length of the walls that then lie on walls of the target.
+    Source: Fischler & Bolles 1981 (RANSAC): at most :data:`DRAWS` pairs of corners of equal angle are drawn. Each
+    determines a pose, scored by the length of the walls that then lie on walls of the target.
     """
     walls, others = walls_of(task.source, task.index), walls_of_target(task.target)
     ours, our_angles = corners_of(walls)

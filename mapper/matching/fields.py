@@ -1,4 +1,4 @@
-"""Score fields: grids in which a correlative matcher looks up how well a point fits."""
+"""Score fields: lookup grids of a correlative matcher for the fit of a point."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import ConfigError
 
-FINE = 16  #: places of a point within its cell, along each side, for which stamps are made
-REACH = 3.0  #: standard deviations from a point up to which a stamp reaches
+FINE = 16  #: sub-cell positions, along each side, for which stamps are computed
+REACH = 3.0  #: radius of a stamp in standard deviations
 GREATEST = 255  #: score at a point
 
 
 @lru_cache(maxsize=16)
 def gaussian_stamps(resolution: float, sigma: float) -> UInt8Array:
-    """Return the scores (16, 16, side, side) uint8 of the cells around a point, for each 1/16 of a cell it may lie in.
+    """Return scores (16, 16, side, side) uint8 of the cells around a point, for each 1/16-cell position of the point.
 
-    The score of a cell is 255 · exp(−d² / (2 ``sigma``²)), rounded down, of the distance d from the point to the
-    cell's centre; ``resolution`` is metres a cell and ``sigma`` metres. Source: Olson 2009, section III. Raises
-    :class:`ConfigError` where a stamp would be wider than 127 cells.
+    The score of a cell is 255 · exp(−d² / (2 ``sigma``²)), rounded down, for the distance d from the point to the
+    cell's centre; ``resolution`` is in metres per cell and ``sigma`` in metres. Source: Olson 2009, section III. Raises
+    :class:`ConfigError` if a stamp would be wider than 127 cells.
     """
     if not (resolution > 0.0 and 0.0 < sigma <= 20.0 * resolution):
         raise ConfigError(

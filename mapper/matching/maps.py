@@ -1,4 +1,4 @@
-"""Map to map: the pose at which the walls of one occupancy grid lie on those of another."""
+"""Map-to-map matching: the pose at which the walls of one occupancy grid coincide with those of another."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from mapper.matching.parameters import MAP_CONFIG, MatchConfig
 from mapper.matching.target import check_points, map_points, map_target
 
 WINDOW_M = 5.0  #: around a guess
-COARSE, COARSE_TURN = 0.2, math.radians(2.0)  #: metres, radians: of the search of a whole map
-MODES = 6  #: places that are looked at more closely
+COARSE, COARSE_TURN = 0.2, math.radians(2.0)  #: metres, radians: of the search over a whole map
+MODES = 6  #: modes that are refined
 
 
 def place_map(first: OccupancyGrid, second: OccupancyGrid, guess: Float64Array | None = None) -> Match:
-    """Return where the second map lies in the first: a match with several candidates, the best first.
+    """Return the pose of the second map in the first: a match with several candidates, best first.
 
-    The poses are ``T_first_second``. Without a ``guess`` (3,) the middle of the second map's walls is searched for
-    everywhere within the first one's walls, in all directions; with one, within 5 m of where it puts that middle.
-    Raises what :func:`match_maps` raises, and :class:`LimitError` for maps that are too large to be searched.
+    The poses are ``T_first_second``. Without a ``guess`` (3,), the centre of the second map's walls is searched over
+    the extent of the first map's walls, in all directions; with a guess, within 5 m of where it places that centre.
+    Raises the errors of :func:`match_maps`, and :class:`LimitError` for maps that are too large to search.
     """
     target, walls = map_target(map_points(first)), map_points(second)
     theirs, ours = target.points, walls.points[0, walls.kind[0] != NO_POINT]
@@ -36,7 +36,7 @@ def place_map(first: OccupancyGrid, second: OccupancyGrid, guess: Float64Array |
         begin, window = np.array([*(0.5 * (low + high)), 0.0]), max(WINDOW_M, float(np.max(high - low)) / 2.0)
     else:
         begin, window = compose(np.asarray(guess, dtype=np.float64), middle), WINDOW_M
-    # Turned about the middle, the walls stay within the window.
+    # Rotated about the centre, the walls stay within the window.
     points = walls.points - middle[:2].astype(np.float32)
     config = MAP_CONFIG.with_values(
         {
@@ -55,9 +55,9 @@ def match_maps(
 ) -> Match:
     """Return the pose of the second map's frame in that of the first, ``T_first_second``, from ``guess`` (3,) or 0.
 
-    The centres of the second map's occupied cells are matched to those of the first as the points of a scan are: a
-    search over the window, and Gauss–Newton on a field. Raises :class:`ConfigError` for a map with fewer than three
-    occupied cells, and what :func:`mapper.matching.match.match_scan` raises.
+    The centres of the second map's occupied cells are matched to those of the first like the points of a scan: a search
+    over the window, then Gauss–Newton on a field. Raises :class:`ConfigError` for a map with fewer than three occupied
+    cells, and the errors of :func:`mapper.matching.match.match_scan`.
     """
     target = map_target(map_points(first))
     return match_scan(map_points(second), 0, target, np.zeros(3) if guess is None else guess, config)

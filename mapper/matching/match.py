@@ -1,4 +1,4 @@
-"""A match: a pose, how certain it is, how well both sides agree, and what it does not know."""
+"""A match: pose, covariance, agreement of both sides, and unobservable directions."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ NO_PRIOR = np.zeros(3)
 
 @dataclass(frozen=True, slots=True)
 class Refined:
-    """A refined pose (3,) and its least-squares problem there: each observation of a surface counts once.
+    """A refined pose (3,) and its least-squares problem; each observation of a surface counts once.
 
-    ``hessian`` (3, 3) is Σ w JᵀJ, ``cost`` Σ w e² and ``pairs`` the number of residuals. ``unit`` is what residuals
-    are in: "m", or "" for those of a field.
+    ``hessian`` (3, 3) is Σ w JᵀJ, ``cost`` Σ w e² and ``pairs`` the number of residuals. ``unit`` is the unit of the
+    residuals: "m", or "" for those of a field.
     """
 
     pose: Float64Array
@@ -40,7 +40,7 @@ class Refined:
 
 
 def by_pairs(task: Task, pose: Float64Array) -> Refined:
-    """Refine by pairs of points, both ways where the target is one scan."""
+    """Refine by pairs of points, in both directions if the target is one scan."""
     target, hessian = task.target, np.empty((3, 3))
     pose = pose.copy()
     if len(target.indices) == 1:
@@ -71,7 +71,7 @@ def on_field(task: Task, pose: Float64Array) -> Refined:
 
 
 def unrefined(task: Task, pose: Float64Array) -> Refined:
-    """Return the pose as it is; its least-squares problem is that of point to line, or of the field of a map."""
+    """Return the pose unchanged, with its least-squares problem: point to line, or the field of a map."""
     hessian, gradient, cost, pairs = np.zeros((3, 3)), np.zeros(3), 0.0, 0
     if task.target.is_map:
         geometry, scores = task.score_field(task.config.field_resolution, task.config.field_sigma)
@@ -96,10 +96,10 @@ REFINEMENTS: Mapping[str, Callable[[Task, Float64Array], Refined]] = {
 }
 
 
-FEW_POINTS = 20.0  #: number of points without agreement that are added, so that a few points alone score low
-SAME_SCORE = 0.01  #: scores that differ by less say nothing about which pose is right
-LEAST_VARIANCE = 1e-8  #: of a residual, where all of them are 0
-NOT_KNOWN = 1e6  #: the greatest variance, m² or rad²
+FEW_POINTS = 20.0  #: number of non-agreeing points added to the total, so that a few points alone score low
+SAME_SCORE = 0.01  #: a smaller difference in score does not decide which pose is right
+LEAST_VARIANCE = 1e-8  #: of a residual, if all are 0
+NOT_KNOWN = 1e6  #: maximum variance, m² or rad²
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,12 +108,12 @@ class Match:
 
     ``pose`` (3,) is ``T_target_base``, metres and radians. ``covariance`` (3, 3) of x, y and θ is s² H⁻¹, the inverse
     of the Gauss–Newton Hessian times the variance of the weighted residuals, s² = Σ w e² / (n − 3) (Press et al. 2007,
-    Numerical Recipes, 15.4; it holds for independent residuals and the right basin, so it is a lower bound).
-    ``score``, 0 to 1, says how well the two sides agree; see :func:`agreement`. ``is_degenerate`` says that some
-    direction is not known, as along a corridor; ``unknown_direction`` (3,) is it then: the motion (x, y, θ) in the
-    target's frame that changes the residuals least. ``information`` is the share of the information that it has, 0 to
-    ½ (Zhang, Kaess & Singh 2016 take the least eigenvalue too). ``candidates`` (k, 3) are the refined poses among
-    which the best was taken, and ``scores`` (k,) theirs.
+    Numerical Recipes, 15.4; it assumes independent residuals and the right basin, so it is a lower bound). ``score``, 0
+    to 1, measures the agreement of the two sides; see :func:`agreement`. ``is_degenerate`` means that some direction is
+    not observable, as along a corridor; ``unknown_direction`` (3,) is then the motion (x, y, θ) in the target's frame
+    that changes the residuals least. ``information`` is its fraction of the information, 0 to ½ (Zhang, Kaess & Singh
+    2016 also use the smallest eigenvalue). ``candidates`` (k, 3) are the refined poses from which the best was chosen,
+    and ``scores`` (k,) their scores.
     """
 
     pose: Float64Array
@@ -133,10 +133,10 @@ class Match:
 def match_scan(
     source: ScanArrays, index: int, target: Target, guess: Float64Array, config: MatchConfig | None = None
 ) -> Match:
-    """Return the pose of scan ``index`` of ``source`` in the frame of ``target``, beginning at ``guess`` (3,).
+    """Return the pose of scan ``index`` of ``source`` in the frame of ``target``, starting from ``guess`` (3,).
 
-    Raises :class:`ConfigError` and :class:`LimitError` as :class:`Task` does, and :class:`ConfigError` where nothing
-    of the scan lies near the target anywhere in the window.
+    Raises :class:`ConfigError` and :class:`LimitError` like :class:`Task`, and :class:`ConfigError` if no part of the
+    scan is near the target anywhere in the window.
     """
     task = Task(source, index, target, guess, MatchConfig() if config is None else config)
     parts = task.config.parts
@@ -167,7 +167,7 @@ def match_scan(
 
 
 def _chosen(task: Task, refined: list[Refined], scores: Float64Array) -> int:
-    """Return which refined pose is the match: that with the best score; of nearly equal ones that nearest the guess."""
+    """Return the index of the refined pose with the best score or, among nearly equal ones, nearest to the guess."""
     off = np.array([match.pose for match in refined]) - task.guess
     far = np.hypot(off[:, 0], off[:, 1]) + np.abs(wrap_angle(off[:, 2]))
     far[scores < scores.max() - SAME_SCORE] = np.inf
@@ -175,12 +175,12 @@ def _chosen(task: Task, refined: list[Refined], scores: Float64Array) -> int:
 
 
 def agreement(task: Task, pose: Float64Array) -> float:
-    """Return how well a scan at ``pose`` (3,) agrees with the target, 0 to 1.
+    """Return the agreement of a scan at ``pose`` (3,) with the target, 0 to 1.
 
-    Each point counts 1 − d² / gate² where a point of the other side is nearer than the gate, at d. The score is the sum
-    of this over the points that both sides should have seen, both ways: those that agree, those that the other side saw
-    through, and those behind what it measured; 20 are added to their number. Of a map the share of the points that
-    agree counts, one way.
+    Each point with a point of the other side at distance d < gate counts 1 − d² / gate². The score is the sum divided
+    by the number of points that both sides should have seen, in both directions: points that agree, points that the
+    other side saw through, and points behind its measurements, plus 20. For a map it is the same for the fraction of
+    agreeing points, in one direction.
     """
     source, target, gate = task.source, task.target, task.config.score_gate
     if target.is_map:
@@ -211,10 +211,10 @@ def covariance(refined: Refined) -> Float64Array:
 
 
 def _least_known(task: Task, hessian: Float64Array) -> tuple[float, Float64Array]:
-    """Return the least share of the information that a direction has, and that direction (3,).
+    """Return the smallest fraction of the information in any direction, and that direction (3,).
 
-    The angle is scaled by the root mean square distance of the points, so that a radian and a metre compare; the shares
-    are eigenvalues of the scaled Hessian over the trace of its translation, which is Σ w.
+    The angle is scaled by the root mean square distance of the points, so that radians and metres are comparable. The
+    fractions are eigenvalues of the scaled Hessian over the trace of its translation part, which is Σ w.
     """
     points = task.source.points[task.index, task.source.kind[task.index] > 0].astype(np.float64)
     lever = max(float(np.sqrt(np.mean(np.sum(points**2, axis=1)))), 1e-3)

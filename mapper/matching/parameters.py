@@ -1,4 +1,4 @@
-"""The one table of parameters of scan matching, and the axes that a method is made of."""
+"""Table of scan matching parameters, and the components of the methods."""
 
 from __future__ import annotations
 
@@ -13,11 +13,7 @@ from mapper.matching.kernels.types import CAUCHY, HUBER, SQUARES
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """A method: how poses to begin with are searched for, and how each of them is refined.
-
-    ``search`` is a name of :data:`mapper.matching.search.SEARCHES`, ``refinement`` one of
-    :data:`mapper.matching.match.REFINEMENTS`.
-    """
+    """A method: how initial poses are searched for, and how each is refined."""
 
     name: str
     search: str
@@ -51,7 +47,7 @@ _FIELDS = ("global", "global_field", "likelihood_field", "correlative", "exhaust
 
 @dataclass(frozen=True, slots=True)
 class MatchConfig:
-    """One value for each row of :data:`PARAMETERS`. Raises :class:`ConfigError` for an invalid one."""
+    """Values of all rows of :data:`PARAMETERS`. Raises :class:`ConfigError` for an invalid one."""
 
     # fmt: off
     method: str = choice("Method", "method", "global", "How the match is found.", tuple(METHODS))
@@ -130,16 +126,18 @@ class MatchConfig:
         check_fields(self)
 
     def with_values(self, values: Mapping[str, Any]) -> MatchConfig:
-        """Return the config with some values changed; raise :class:`ConfigError` for unknown names too."""
+        """Return the config with some values replaced. Raise :class:`ConfigError` for unknown names and invalid
+        values.
+        """
         return with_values(self, values)
 
     @property
     def parts(self) -> Method:
-        """Parts of the method."""
+        """The components of the method."""
         return METHODS[self.method]
 
 
 PARAMETERS = table_of(MatchConfig)
 
-#: Two maps may be moved and turned by anything; within this their walls are found again.
+#: Two maps may differ by any motion; within these limits their walls are aligned.
 MAP_CONFIG = MatchConfig(method="global_field", window_m=5.0, window_rad=math.pi)

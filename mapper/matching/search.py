@@ -24,7 +24,7 @@ from mapper.matching.parameters import MatchConfig
 from mapper.matching.target import Target
 from mapper.matching.task import TOP_LEVEL, Task
 
-APART_M, APART_RAD = 0.4, 0.25  #: two modes lie farther apart than this, in one of the two
+APART_M, APART_RAD = 0.4, 0.25  #: two modes are farther apart than one of these
 
 
 def _pose(task: Task, best: Int64Array) -> Float64Array:
@@ -46,7 +46,7 @@ def _levels(task: Task) -> tuple[GridGeometry, UInt8Array]:
 
 
 def modes(task: Task) -> Float64Array:
-    """Return the best modes of the window (k, 3), the best first."""
+    """Return the best modes of the window (k, 3), best first."""
     config = task.config
     geometry, levels = _levels(task)
     best = np.empty((int(config.modes), 4), dtype=np.int64)
@@ -59,7 +59,7 @@ def modes(task: Task) -> Float64Array:
 
 
 def by_branch_and_bound(task: Task) -> Float64Array:
-    """Return the best pose of the window, (1, 3) or (0, 3) where no point falls near the target."""
+    """Return the best pose of the window, (1, 3), or (0, 3) if no point falls near the target."""
     geometry, levels = _levels(task)
     best = np.empty(4, dtype=np.int64)
     branch_and_bound(levels, geometry.frame, task.source, task.index, task.guess, task.window, 1, 1, best)
@@ -67,7 +67,7 @@ def by_branch_and_bound(task: Task) -> Float64Array:
 
 
 def window_scores(task: Task) -> Int32Array:
-    """Return the score of every pose of the window (turns, rows, columns) int32, the guess in its middle."""
+    """Return the score of every pose of the window (turns, rows, columns) int32, with the guess at its centre."""
     geometry, scores = task.score_field(task.config.field_resolution, task.config.field_sigma)
     window = task.window
     size = 2 * window.cells + 1
@@ -77,7 +77,7 @@ def window_scores(task: Task) -> Int32Array:
 
 
 def exhaustive(task: Task) -> Float64Array:
-    """Return what :func:`by_branch_and_bound` returns, after scoring every pose."""
+    """Return the result of :func:`by_branch_and_bound` by scoring every pose."""
     best = np.empty(4, dtype=np.int64)
     best_in_window(window_scores(task), best)
     return _pose(task, best)[np.newaxis] if best[0] > 0 else np.empty((0, 3))
@@ -96,9 +96,9 @@ SEARCHES: Mapping[str, Callable[[Task], Float64Array]] = {
 class ScoreLandscape:
     """The score of the poses around a guess, 0 to 1: the mean score of the points in the field.
 
-    ``offsets`` (n,) metres are those of rows (y) and columns (x), ``turns`` (k,) radians those of the angle.
-    ``slice`` (n, n) is the score at the guess's angle, ``greatest`` (n, n) the greatest over all angles and ``turn_of``
-    (n, n) the index of the angle at which it is; ``by_turn`` (k,) is the greatest over all places.
+    ``offsets`` (n,) metres are those of rows (y) and columns (x), ``turns`` (k,) radians those of the angle. ``slice``
+    (n, n) is the score at the guess's angle, ``greatest`` (n, n) the maximum over all angles and ``turn_of`` (n, n) the
+    index of its angle; ``by_turn`` (k,) is the maximum over all positions.
     """
 
     offsets: Float64Array
@@ -112,9 +112,9 @@ class ScoreLandscape:
 def score_landscape(
     source: ScanArrays, index: int, target: Target, guess: Float64Array, config: MatchConfig
 ) -> ScoreLandscape:
-    """Return the score landscape in the window of ``config``, which every pose of is scored.
+    """Return the score landscape over the window of ``config``; every pose in it is scored.
 
-    Raises what :class:`Task` raises for the method "exhaustive", also for a window of too many poses.
+    Raises the errors of :class:`Task` for the method "exhaustive", also for a window of too many poses.
     """
     task = Task(source, index, target, guess, config.with_values({"method": "exhaustive"}))
     window, cell = task.window, config.field_resolution

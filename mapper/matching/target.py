@@ -14,16 +14,15 @@ from mapper.matching.beams import scan_rows
 from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 
 FEWEST_POINTS = 3
-MOST_MAP_POINTS = 5_000  #: occupied cells of a map beyond which only each n-th is taken
+MOST_MAP_POINTS = 5_000  #: if a map has more occupied cells, only every n-th is used
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
     """Scans ``indices`` (k,) of ``scans`` with the poses (n_scans, 3) ``T_target_base`` of all scans.
 
-    ``is_map`` marks the walls of a map as points without normals, seen from nowhere: only methods that need no views
-    can match with them. Raises :class:`ConfigError` for scans that do not exist, poses that are not finite, and fewer
-    than three points.
+    ``is_map`` marks the walls of a map: points without normals or viewpoint, for methods that need neither. Raises
+    :class:`ConfigError` for scans that do not exist, poses that are not finite, and fewer than three points.
     """
 
     scans: ScanArrays
@@ -55,7 +54,7 @@ class Target:
 
 
 def check_points(scans: ScanArrays, indices: Int64Array, what: str) -> None:
-    """Raise :class:`ConfigError` where the scans have fewer than three points together."""
+    """Raise :class:`ConfigError` if the scans have fewer than three points in total."""
     count = int(np.count_nonzero(scans.kind[indices]))
     if count < FEWEST_POINTS:
         raise ConfigError(
@@ -64,7 +63,7 @@ def check_points(scans: ScanArrays, indices: Int64Array, what: str) -> None:
 
 
 def scan_target(scans: ScanArrays, index: int) -> Target:
-    """Return one scan as a target, in whose base frame the match is stated."""
+    """Return one scan as a target; the match is relative to its base frame."""
     if not 0 <= index < len(scans.kind):
         raise ConfigError("matching.scan", f"There is no scan {index}; the last is {len(scans.kind) - 1}.")
     rows = scan_rows(scans, index, index + 1)
@@ -74,8 +73,8 @@ def scan_target(scans: ScanArrays, index: int) -> Target:
 def map_points(grid: OccupancyGrid, most: int = MOST_MAP_POINTS) -> ScanArrays:
     """Return the centres of the occupied cells of a grid as one scan of points without normals, in the map's frame.
 
-    Occupied are observed cells with p_occ above 0.65, as a map server has it. Where there are more than ``most``, each
-    n-th in the order of rows and columns is taken.
+    Occupied cells are observed cells with p_occ above 0.65, as in map_server. If there are more than ``most``, every
+    n-th in row-major order is used.
     """
     cells = np.argwhere(grid.observed & (grid.p_occ > OCCUPIED_THRESHOLD))
     cells = cells[:: max(1, -(-len(cells) // most))]
@@ -89,5 +88,5 @@ def map_points(grid: OccupancyGrid, most: int = MOST_MAP_POINTS) -> ScanArrays:
 
 
 def map_target(points: ScanArrays) -> Target:
-    """Return the walls of a map, :func:`map_points`, as a target, in whose frame the match is stated."""
+    """Return the walls of a map, :func:`map_points`, as a target; the match is relative to the map's frame."""
     return Target(points, np.zeros(1, dtype=np.int64), np.zeros((1, 3)), is_map=True)

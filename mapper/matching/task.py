@@ -1,4 +1,4 @@
-"""One match to be made: a scan, what it is matched to, a first guess, and how."""
+"""Definition of one match: a scan, its target, a first guess and the method."""
 
 from __future__ import annotations
 
@@ -18,20 +18,16 @@ from mapper.matching.kernels.types import LINE, POINTS, Iterations, PairRule, Sc
 from mapper.matching.parameters import WEIGHTS, MatchConfig
 from mapper.matching.target import Target, check_points
 
-MOST_BLOCKS = 1 << 24  #: of a window that is searched: 64 MB of bounds
+MOST_BLOCKS = 1 << 24  #: of a search window: 64 MB of bounds
 TOP_LEVEL = 3  #: blocks of 8 × 8 cells are bounded first
-MOST_BEAMS = 20  #: around the bearing of a point where it corresponds by bearing
-STOP_M, STOP_RAD = 2e-4, 5e-5  #: an iteration that moves the pose by less is the last one
-SHRINK = 0.6  #: of the gate from one iteration to the next
+MOST_BEAMS = 20  #: around the bearing of a point for correspondences by bearing
+STOP_M, STOP_RAD = 2e-4, 5e-5  #: iteration stops when the pose changes by less
+SHRINK = 0.6  #: factor of the gate between iterations
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Scan ``index`` of ``source`` is to be matched to ``target`` from ``guess`` (3,), ``T_target_base``.
-
-    Raises :class:`ConfigError` for a scan that does not exist or has fewer than three points, a guess that is not
-    finite, and a method that the target does not allow; :class:`LimitError` for a window of too many poses.
-    """
+    """Match scan ``index`` of ``source`` to ``target``, starting from ``guess`` (3,), ``T_target_base``."""
 
     source: ScanArrays
     index: int
@@ -74,7 +70,7 @@ class Task:
 
     @property
     def window(self) -> Window:
-        """The window in cells of the field and steps of the angle; it is not smaller than that of the config."""
+        """The window in cells of the field and steps of the angle, rounded up."""
         config = self.config
         return Window(
             math.ceil(config.window_m / config.field_resolution - 1e-9),
@@ -84,7 +80,7 @@ class Task:
 
     @property
     def rule(self) -> PairRule:
-        """Rule by which points are paired and weighted."""
+        """Rule for pairing and weighting points."""
         config = self.config
         every = max(self.source.points.shape[1], self.target.scans.points.shape[1])
         return PairRule(
@@ -105,7 +101,7 @@ class Task:
         return Iterations(int(config.iterations), first, last, SHRINK, STOP_M, STOP_RAD)
 
     def score_field(self, resolution: float, sigma: float) -> tuple[GridGeometry, UInt8Array]:
-        """Return the score field of the target: its lattice, and the scores (rows, cols) uint8."""
+        """Return the score field of the target: its lattice and the scores (rows, cols) uint8."""
         key = (resolution, sigma)
         if key not in self._fields:
             self._fields[key] = self._make_field(resolution, sigma)
@@ -125,6 +121,6 @@ class Task:
 
     @property
     def stride(self) -> int:
-        """Of how many beams one is used by the search for modes: 60 to 120 points of a scan show where they are."""
+        """Beam stride of the search for modes, for which 60 to 120 points of a scan are enough."""
         most = 400 if self.target.is_map else 60
         return max(1, int(np.count_nonzero(self.source.kind[self.index])) // most)

@@ -1,4 +1,4 @@
-"""Scan matching in plain NumPy, as the papers print it: what the compiled methods are compared with.
+"""Scan matching in plain NumPy, as printed in the papers: the reference for the compiled methods.
 
 Points are (n, 2) float64 in metres, poses (x, y, θ) ``T_map_base``.
 """
@@ -18,10 +18,10 @@ from mapper.grid import GridGeometry
 
 @dataclass(frozen=True, slots=True)
 class PointScan:
-    """One scan: ``points`` (n, 2) and ``normals`` (n, 2) by beam, where they exist, in the frame of the base.
+    """One scan: ``points`` (n, 2) and ``normals`` (n, 2) by beam, if they exist, in the base frame.
 
-    Beam b sees in the direction ``first`` + b · ``step`` from ``sensor`` (2,); with ``wraps`` the beam after the last
-    is the first.
+    Beam b points in the direction ``first`` + b · ``step`` from ``sensor`` (2,); with ``wraps`` the first beam follows
+    the last.
     """
 
     points: Float64Array
@@ -37,10 +37,7 @@ class PointScan:
 def scan_points(
     ranges: NDArray[np.float32], bearings: Float64Array, mount: Float64Array, range_min: float, range_max: float
 ) -> tuple[Float64Array, BoolArray]:
-    """Return the end points (n, 2) of readings ``ranges`` (n,), 0 where there is none, and where there are any.
-
-    ``bearings`` (n,) are those in the sensor's frame, radians; ``mount`` (3,) is ``T_base_laser``.
-    """
+    """Return the endpoints (n, 2) of readings ``ranges`` (n,), 0 if there is none, and which exist."""
     used = (ranges >= range_min) & (ranges <= range_max)
     r = np.where(used, ranges, 0.0).astype(np.float64)
     directions = mount[2] + bearings
@@ -51,10 +48,10 @@ def scan_points(
 def scan_normals(
     scan: PointScan, half_width: int, reach: float, most: int, least_gap: float, max_thickness: float
 ) -> tuple[Float64Array, BoolArray]:
-    """Return the normals (n, 2) of a scan's points, 0 where there is none, and where there are any.
+    """Return the normals (n, 2) of a scan's points, 0 if there is none, and which exist.
 
-    The line through a point and its neighbours has the direction in which they scatter most (principal components);
-    see :func:`mapper.matching.kernels.scan_points.write_normals` for which points are neighbours.
+    The line through a point and its neighbours is along their first principal component. See
+    :func:`mapper.matching.kernels.scan_points.write_normals` for which points are neighbours.
     """
     n_beams = len(scan.points)
     normals, has_normal = np.zeros((n_beams, 2)), np.zeros(n_beams, dtype=np.bool_)
@@ -88,7 +85,7 @@ def scan_normals(
 
 
 def beam_towards(scan: PointScan, point: Float64Array) -> int:
-    """Return the beam in whose direction a point (2,) in the base frame lies, −1 outside the field of view."""
+    """Return the beam that points towards a point (2,) in the base frame, −1 outside the field of view."""
     n_beams = len(scan.points)
     to_x, to_y = point - scan.sensor
     turned = (math.atan2(to_y, to_x) - scan.first) % (2.0 * math.pi)
@@ -99,7 +96,7 @@ def beam_towards(scan: PointScan, point: Float64Array) -> int:
 
 
 def beams_around(scan: PointScan, beam: int, most: int) -> Int64Array:
-    """Return the beams up to ``most`` beams from one, itself among them."""
+    """Return the beams up to ``most`` beams away from one, including it."""
     n_beams = len(scan.points)
     around = beam + np.arange(-most, most + 1)
     return np.unique(around % n_beams) if scan.wraps else around[(around >= 0) & (around < n_beams)]
@@ -108,11 +105,11 @@ def beams_around(scan: PointScan, beam: int, most: int) -> Int64Array:
 def pairs_by_bearing(
     moving: PointScan, pose: Float64Array, fixed: PointScan, at: Float64Array, gate: float, max_beams: int
 ) -> tuple[Int64Array, Int64Array, int]:
-    """Return the beams (m,) of two scans whose points correspond, and how many points lie in the field of view.
+    """Return the beams (m,) of two scans whose points correspond, and the number of points in the field of view.
 
     Each point of ``moving`` corresponds to the nearest point with a normal of ``fixed`` among the ``max_beams`` beams
-    on either side of its bearing, if that is nearer than ``gate``. Where that is all of them, it is the nearest point,
-    in the field of view or not.
+    on either side of its bearing, if it is nearer than ``gate``. If that covers all beams, it is the nearest point, in
+    the field of view or not.
     """
     tried = 0
     ours, theirs = [], []
@@ -135,9 +132,9 @@ def pairs_by_bearing(
 def compare_views(
     moving: PointScan, pose: Float64Array, fixed: PointScan, at: Float64Array, gate: float, max_beams: int
 ) -> tuple[float, float, float, float]:
-    """Return how many points of a scan lie near points of another, in what it saw through, and behind what it saw.
+    """Return how many points of a scan are near points of another, in its free space, and behind its measurements.
 
-    The fourth number is Σ (1 − d² / gate²) over the points that are near, at the distance d.
+    The fourth number is Σ (1 − d² / gate²) over the near points, where d is the distance.
     """
     near, through, behind, total = 0, 0, 0, 0.0
     reach = np.sqrt(np.sum((fixed.points - fixed.sensor) ** 2, axis=1))
@@ -182,10 +179,11 @@ def weights(kind: str, scale: float, residuals: Float64Array) -> Float64Array:
 def point_to_line_residuals(
     points: Float64Array, pose: Float64Array, lines: Float64Array, normals: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
-    """Return e = nᵀ (R p + t − q) (m,), and its derivative by the pose (m, 3). Source: Censi 2008, equation 3.
+    """Return e = nᵀ (R p + t − q) (m,) and its derivative with respect to the pose (m, 3). Source: Censi 2008, equation
+    3.
 
-    ``points`` (m, 2) p are the moving scan's in its base frame; ``lines`` (m, 2) q and ``normals`` (m, 2) n are those
-    of the map.
+    ``points`` (m, 2) p are the moving scan's in its base frame; ``lines`` (m, 2) q and ``normals`` (m, 2) n are in the
+    map frame.
     """
     placed = transform_points(pose, points)
     turned = placed - pose[:2]
@@ -197,10 +195,11 @@ def point_to_line_residuals(
 def point_to_point_residuals(
     points: Float64Array, pose: Float64Array, partners: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
-    """Return e = R p + t − q (2 m,), x and y of each pair after another, and its derivative by the pose (2 m, 3).
+    """Return e = R p + t − q (2 m,), x and y of each pair in turn, and its derivative with respect to the pose (2 m,
+    3).
 
-    Source: Besl & McKay 1992. ``points`` (m, 2) p are the moving scan's in its base frame, ``partners`` (m, 2) q those
-    of the map.
+    Source: Besl & McKay 1992. ``points`` (m, 2) p are the moving scan's in its base frame, ``partners`` (m, 2) q are in
+    the map frame.
     """
     placed = transform_points(pose, points)
     turned = placed - pose[:2]
@@ -211,9 +210,9 @@ def point_to_point_residuals(
 
 
 def best_rigid_motion(points: Float64Array, partners: Float64Array) -> Float64Array:
-    """Return the pose (3,) with the least Σ |R p + t − q|² for pairs of points (n, 2), in closed form.
+    """Return the pose (3,) that minimises Σ |R p + t − q|² for pairs of points (n, 2), in closed form.
 
-    Source: Arun, Huang & Blostein 1987; in the plane the turn is the angle of Σ p · q and Σ p × q about the means.
+    Source: Arun, Huang & Blostein 1987; in the plane the rotation is the angle of Σ p · q and Σ p × q about the means.
     """
     p, q = points - points.mean(axis=0), partners - partners.mean(axis=0)
     theta = math.atan2(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]), np.sum(p * q))
@@ -223,15 +222,15 @@ def best_rigid_motion(points: Float64Array, partners: Float64Array) -> Float64Ar
 def normal_equations(
     jacobian: Float64Array, residuals: Float64Array, w: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
-    """Return H = Σ w JᵀJ and −Σ w Jᵀe, of the Gauss–Newton step H dx = −Σ w Jᵀe."""
+    """Return H = Σ w JᵀJ and −Σ w Jᵀe of the Gauss–Newton step H dx = −Σ w Jᵀe."""
     return jacobian.T @ (w[:, np.newaxis] * jacobian), -jacobian.T @ (w * residuals)
 
 
 def score_field(geometry: GridGeometry, points: Float64Array, sigma: float, fine: int, reach: int) -> NDArray[np.uint8]:
-    """Return the scores (rows, cols) uint8 of cells near map points (n, 2): 255 · exp(−d² / 2σ²) of the nearest one.
+    """Return the scores (rows, cols) uint8 of cells near map points (n, 2): 255 · exp(−d² / 2σ²) for the nearest point.
 
-    Points are rounded to the middle of the 1/``fine`` of a cell that they lie in. Cells whose row or column is more
-    than ``reach`` from a point's do not see it. Source: Olson 2009, section III.
+    Points are rounded to the middle of their 1/``fine`` of a cell. A point does not affect cells more than ``reach``
+    rows or columns away. Source: Olson 2009, section III.
     """
     scores = np.zeros(geometry.shape, dtype=np.uint8)
     for col, row in geometry.to_lattice(points).reshape(-1, 2):
@@ -252,7 +251,7 @@ def score_field(geometry: GridGeometry, points: Float64Array, sigma: float, fine
 
 
 def greatest_in_squares(scores: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
-    """Return the greatest score in the square of ``side`` cells from each cell on, as far as the grid reaches."""
+    """Return the maximum score in the square of ``side`` cells starting at each cell, clipped to the grid."""
     bordered = np.pad(scores, ((0, side - 1), (0, side - 1)))
     return np.asarray(np.lib.stride_tricks.sliding_window_view(bordered, (side, side)).max(axis=(2, 3)))
 
@@ -267,15 +266,15 @@ def scores_in_window(
 ) -> NDArray[np.int32]:
     """Return the score of each pose in a window (len(turns), 2 · cells + 1, 2 · cells + 1): turn, row, column.
 
-    The score of a pose is the sum of the scores of the cells that hold the points (n, 2) there; outside the grid it is
-    0. The points are turned first, and then moved by whole cells. Source: Olson 2009, section IV.
+    The score of a pose is the sum of the scores of the cells that contain the points (n, 2), 0 outside the grid. The
+    points are rotated first and then moved by whole cells. Source: Olson 2009, section IV.
     """
     volume = np.zeros((len(turns), 2 * cells + 1, 2 * cells + 1), dtype=np.int32)
     bordered = np.pad(scores, 2 * cells)
     for a, turn in enumerate(turns):
         at = geometry.world_to_cell(transform_points([pose[0], pose[1], pose[2] + turn], points))
         for row, col in at[((at >= -cells) & (at < np.array(scores.shape) + cells)).all(axis=1)]:
-            # The scores around the cell, of which the bordered grid has 2 · cells more on each side.
+            # The scores around the cell; the padded grid has 2 · cells more on each side.
             volume[a] += bordered[row + cells : row + 3 * cells + 1, col + cells : col + 3 * cells + 1]
     return volume
 
@@ -283,10 +282,10 @@ def scores_in_window(
 def field_residuals(
     scores: NDArray[np.uint8], geometry: GridGeometry, points: Float64Array, pose: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
-    """Return e = 1 − M(R p + t) (m,) of the points (n, 2) inside, and its derivative by the pose (m, 3).
+    """Return e = 1 − M(R p + t) (m,) of the points (n, 2) inside, and its derivative with respect to the pose (m, 3).
 
-    M is ``scores`` / 255, bilinear between the centres of the cells; points that are not between four centres are left
-    out. Source: Kohlbrecher et al. 2011, equations 4 to 14.
+    M is ``scores`` / 255, bilinear between cell centres; points that are not between four centres are omitted. Source:
+    Kohlbrecher et al. 2011, equations 4 to 14.
     """
     values = scores.astype(np.float64)
     placed = transform_points(pose, points)
@@ -308,7 +307,7 @@ def field_residuals(
 def split(points: Float64Array, thickness: float, fewest: int) -> list[tuple[int, int]]:
     """Return the first and last index of each straight part of a run of points (n, 2).
 
-    The run is split at the point that is farthest from the line through its ends. Source: Nguyen et al. 2007.
+    The run is split at the point farthest from the line through its ends. Source: Nguyen et al. 2007.
     """
     if len(points) < fewest:
         return []
@@ -326,9 +325,7 @@ def split(points: Float64Array, thickness: float, fewest: int) -> list[tuple[int
 
 
 def runs(scan: PointScan, least_gap: float) -> list[Int64Array]:
-    """Return the beams of each run of points that are near the next one; see
-    :func:`mapper.matching.kernels.segments.split_scan`.
-    """
+    """Return the beams of each run of connected points; see :func:`mapper.matching.kernels.segments.split_scan`."""
     used = np.flatnonzero(scan.is_point)
     apart = np.sqrt(np.sum(np.diff(scan.points[used], axis=0) ** 2, axis=1))
     r = np.sqrt(np.sum((scan.points[used] - scan.sensor) ** 2, axis=1))[:-1]

@@ -1,4 +1,4 @@
-"""Paths on costmaps: the cheapest one for a robot that fits where a cell is free, and how to drive it."""
+"""Path planning on costmaps for a robot at the centre of each cell, and path following."""
 
 from mapper.planning.parameters import PlannerConfig, PursuitConfig
 from mapper.planning.plan import GoalPlanner, Path, plan_path

@@ -1,7 +1,4 @@
-"""Parameters of the planner and of the path's follower in a Nav2 parameter file: NavFn, Regulated Pure Pursuit.
-
-Source: the Nav2 documentation, Planner Server, NavFn Planner, Controller Server and Regulated Pure Pursuit.
-"""
+"""Parameters of the planner and the path follower in a Nav2 parameter file: NavFn, Regulated Pure Pursuit."""
 
 from __future__ import annotations
 
@@ -20,11 +17,11 @@ from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, P
 NODE = "planner_server"
 CONTROLLER = "controller_server"
 _LISTS = {NODE: "planner_plugins", CONTROLLER: "controller_plugins"}
-#: The plugins of a node whose list is not in the file, and their types where they state none (planner_server.cpp,
+#: The default plugins of a node without a list, and their types if not stated (planner_server.cpp,
 #: controller_server.cpp: default_ids_, default_types_).
 _DEFAULTS = {NODE: ("GridBased", "NavfnPlanner"), CONTROLLER: ("FollowPath", "DWBLocalPlanner")}
 _DECLARED = {NODE: PLANNER_SERVER | OF_EVERY_NODE, CONTROLLER: CONTROLLER_SERVER | OF_EVERY_NODE}
-#: What is computed where the file has no plugin of a kind that is built here.
+#: Used if the file has no plugin of a supported kind.
 _IN_PLACE = {
     NODE: "the path is that of NavFn with Nav2’s defaults",
     CONTROLLER: "the path is followed by Regulated Pure Pursuit with Nav2’s defaults",
@@ -37,11 +34,11 @@ _NAMES = ("tolerance", "use_astar", "allow_unknown")  #: the other two rows are 
 
 @dataclass(frozen=True, slots=True)
 class Nav2Path:
-    """The planner and the follower of the path of a Nav2 parameter file.
+    """The planner and the path follower of a Nav2 parameter file.
 
-    ``planner_name`` and ``follower_name`` are their names among the plugins. ``others`` are the parameters of both
-    nodes that have no effect here, by their path: (node, name) or (node, plugin, name), which :func:`nav2_path_yaml`
-    writes again. ``notes`` are sentences on names that Nav2 does not declare.
+    ``planner_name`` and ``follower_name`` are their plugin names. ``others`` are the parameters of both nodes without
+    effect here, by path: (node, name) or (node, plugin, name), which :func:`nav2_path_yaml` writes again. ``notes`` are
+    sentences on names that Nav2 does not declare.
     """
 
     planner: PlannerConfig = field(default_factory=PlannerConfig)
@@ -60,9 +57,9 @@ class Nav2Path:
 def path_of(root: dict[str, Any]) -> Nav2Path:
     """Return the first NavFn of ``planner_plugins`` and the first Regulated Pure Pursuit of ``controller_plugins``.
 
-    ``root`` is what :func:`mapper.io.ros_parameters.parse_ros_parameters` returned. Nav2's defaults where the file has
-    none, of the lists of plugins too; a name that Nav2 does not declare has a note. Raises :class:`ConfigError`, which
-    names the parameter with its path, for an impossible value.
+    ``root`` is the result of :func:`mapper.io.ros_parameters.parse_ros_parameters`. Missing values have Nav2's
+    defaults, including the plugin lists; a name that Nav2 does not declare gets a note. Raises :class:`ConfigError`,
+    naming the parameter with its path, for an impossible value.
     """
     others: dict[tuple[str, ...], Any] = {}
     notes: list[str] = []
@@ -81,7 +78,7 @@ def path_of(root: dict[str, Any]) -> Nav2Path:
 
 
 def nav2_path_yaml(path: Nav2Path) -> str:
-    """Return a parameter file with both, as :func:`path_of` reads it."""
+    """Return a parameter file with both, which :func:`path_of` reads."""
     navfn = {"plugin": _NAVFN, **{name: getattr(path.planner, name) for name in _NAMES}}
     own = {
         NODE: (path.planner_name, navfn),
@@ -91,7 +88,7 @@ def nav2_path_yaml(path: Nav2Path) -> str:
     for node, (name, block) in own.items():
         others = {path_[1:]: value for path_, value in path.others.items() if path_[0] == node}
         general = {path_[0]: value for path_, value in others.items() if len(path_) == 1}
-        default = _DEFAULTS[node][0]  # which is listed where the file lists none
+        default = _DEFAULTS[node][0]  # listed if the file has no list
         listed = general.pop(_LISTS[node], [default] if (node, default) in path.others else [])
         of_block = {path_[1]: value for path_, value in others.items() if path_[:-1] == (name,)}
         names = [*listed] if name in listed else [*listed, name]
@@ -104,7 +101,7 @@ _TABLES = tuple(row for row in PLANNER_PARAMETERS if row.name in _NAMES), PURSUI
 
 
 def _free_name(others: Mapping[tuple[str, ...], Any], node: str, usual: str, other: str) -> str:
-    """Return a name for a plugin of ours: the usual one, unless the file has another plugin of that name."""
+    """Return a name for our plugin: the usual one, unless the file has another plugin of that name."""
     return other if (node, usual) in others else usual
 
 
@@ -117,9 +114,10 @@ def _plugin(
     others: dict[tuple[str, ...], Any],
     notes: list[str],
 ) -> tuple[str | None, dict[str, Any]]:
-    """Return the name and the values of the first plugin of a kind in a node's list; None where it has none.
+    """Return the name and the values of the first plugin of a kind in a node's list; None if there is none.
 
-    What else the node has is put into ``others``, sentences on names that Nav2 does not declare into ``notes``.
+    Everything else in the node is put into ``others``, and sentences on names that Nav2 does not declare into
+    ``notes``.
     """
     key = _LISTS[node]
     section = find_node(root, (node,), (key,))
@@ -150,5 +148,5 @@ def _plugin(
 
 
 def _is(block: object, kind: str, usual: str) -> bool:
-    """Return whether a plugin's block is of a kind, which is the ``usual`` one where it states none."""
+    """Return whether a plugin's block is of a kind, which is the ``usual`` one if the block does not state it."""
     return isinstance(block, dict) and kind in str(block.get("plugin", usual))

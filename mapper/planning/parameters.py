@@ -1,4 +1,4 @@
-"""The tables of parameters of the planner and of the path's follower, with Nav2's names and defaults.
+"""Parameter tables of the planner and the path follower, with Nav2's names and defaults.
 
 Sources: nav2_navfn_planner (navfn_planner.cpp, navfn.hpp) and the documentation of Nav2's Regulated Pure Pursuit.
 """
@@ -40,7 +40,7 @@ class PlannerConfig:
 
 @dataclass(frozen=True, slots=True)
 class PursuitConfig:
-    """Parameters of the follower of a path. Raises as :class:`PlannerConfig`."""
+    """Parameters of the path follower. Raises the errors of :class:`PlannerConfig`."""
 
     # fmt: off
     desired_linear_vel: float = number("Speed", "pursuit", 0.5, "Maximum linear velocity.", "m/s", 0.01, 5.0, 0.01)

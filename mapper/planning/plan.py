@@ -1,4 +1,4 @@
-"""The cheapest path between two places on a costmap."""
+"""Cheapest path between two points on a costmap."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from mapper.planning.parameters import PlannerConfig
 
 
 def travel_time(points: Float64Array, greatest: float, filters: Sequence[SpeedFilter] = ()) -> float:
-    """Return the time in s along the path ``points`` (n, 2), map metres, at the greatest speed that is allowed.
+    """Return the time, s, along the path ``points`` (n, 2), map metres, at the maximum allowed speed.
 
-    ``greatest`` is the robot's speed without a limit, m/s; each part between two points has the limit of its middle,
-    the least of all ``filters``. Accelerating, turning on the spot and slowing in curves take longer. Raises
-    :class:`ConfigError` for a speed that is not above 0.
+    ``greatest`` is the robot's maximum speed, m/s; each segment has the lowest limit of all ``filters`` at its
+    midpoint. Acceleration, turning in place and slowing down in curves are not included. Raises :class:`ConfigError`
+    for a speed that is not positive.
     """
     if not 0.0 < greatest < float("inf"):
         raise ConfigError("path.speed", f"The robot’s greatest speed must be above 0 m/s, not {greatest!r:.40}.")
@@ -36,15 +36,15 @@ def travel_time(points: Float64Array, greatest: float, filters: Sequence[SpeedFi
     return float((lengths / speeds).sum())
 
 
-HIGHEST = 253  #: the greatest cost of a straight step (NavFn: COST_OBS - 1), which is that onto an unknown cell
+HIGHEST = 253  #: the maximum cost of a straight step (NavFn: COST_OBS - 1), used for unknown cells
 BLOCKED = np.inf
 
 
 def step_costs(config: PlannerConfig, inscribed_passable: bool = False) -> Float64Array:
-    """Return the costs (256,) of a straight step onto a cell of each value; infinity where the robot cannot be.
+    """Return the costs (256,) of a straight step onto a cell of each value; infinity for blocked cells.
 
-    A whole number, neutral_cost + cost_factor · value, at most 253 (NavFn::setCostmap). A lethal and an inscribed cell
-    are blocked; ``inscribed_passable`` gives the inscribed ones the highest cost instead.
+    The cost is an integer, neutral_cost + cost_factor · value, at most 253 (NavFn::setCostmap). Lethal and inscribed
+    cells are blocked; ``inscribed_passable`` gives the inscribed ones the maximum cost instead.
     """
     values = np.arange(256)
     table: Float64Array = np.minimum(np.floor(config.neutral_cost + config.cost_factor * values), HIGHEST)
@@ -61,10 +61,10 @@ Cell = tuple[int, int]
 class Path:
     """A path on a costmap.
 
-    ``cells`` (n, 2), (row, col), each beside the one before. ``points`` (n, 2) are their centres in map metres, with
-    the given start as the first one, and the goal as the last one where the path reaches it: ``reaches_goal``. ``cost``
-    is the sum of the costs of its steps, ``length`` is in m. ``potential`` (rows, cols) is the cost to come of each
-    cell from the start, infinity where the search did not find one.
+    ``cells`` (n, 2), (row, col), each adjacent to the one before. ``points`` (n, 2) are their centres in map metres,
+    with the given start first and, if the path ``reaches_goal``, the goal last. ``cost`` is the sum of the costs of its
+    steps, ``length`` is in m. ``potential`` (rows, cols) is the cost-to-come of each cell from the start, infinity if
+    the search did not reach it.
     """
 
     cells: Int64Array
@@ -86,18 +86,18 @@ def plan_path(
 
     ``costs`` (rows, cols) uint8 are those of a costmap with ``geometry``. Cells have eight neighbours. A straight step
     costs neutral_cost + cost_factor · value of the cell that it leads to, a diagonal one √2 times that
-    (:func:`mapper.planning.plan.step_costs`). Where the goal cannot be reached, the path ends in the reachable
-    cell nearest to it, within the tolerance. Raises :class:`ConfigError` for a start or a goal that is not finite or
-    outside the map, a start that is blocked, and where there is no path; it says why.
+    (:func:`mapper.planning.plan.step_costs`). If the goal cannot be reached, the path ends in the nearest reachable
+    cell within the tolerance. Raises :class:`ConfigError` for a start or a goal that is not finite or outside the map,
+    a blocked start, and if there is no path, with the reason.
     """
     return GoalPlanner(costs, geometry, start_xy, config).plan(start_xy, goal_xy)
 
 
 class GoalPlanner:
-    """Plans paths from one start to goals that move, on costs that stay the same.
+    """Plans paths from one start to changing goals, on constant costs.
 
-    The cost to come from the start holds for every goal: of a goal that it has, the path is only traced back. A goal
-    beyond what was searched has all cells searched once. A* searches again for each goal.
+    The cost-to-come from the start is valid for every goal, so the path to a goal already reached is only traced back.
+    For a goal beyond the searched area all cells are searched once. A* searches again for each goal.
     """
 
     def __init__(
@@ -107,7 +107,9 @@ class GoalPlanner:
         start_xy: Sequence[float] | Float64Array,
         config: PlannerConfig | None = None,
     ) -> None:
-        """Take ``costs`` (rows, cols), which may not change from now on. Raises :class:`ConfigError`."""
+        """Create a planner on ``costs`` (rows, cols), which must not be modified afterwards. Raises
+        :class:`ConfigError`.
+        """
         if costs.shape != geometry.shape or costs.dtype != np.uint8:
             message = f"The costs must be {geometry.shape} uint8, as the geometry, not {costs.shape} {costs.dtype}."
             raise ConfigError("path.costs", message)
@@ -117,14 +119,16 @@ class GoalPlanner:
         self._start = _cell(geometry, start_xy, "start")
         self._found: Float64Array | None = None
         self._is_whole = False
-        self._others: dict[str, Float64Array] = {}  #: cost to come of all cells, were something else passable
+        self._others: dict[str, Float64Array] = {}  #: cost-to-come of all cells if something else were passable
 
     def begins_at(self, place: Sequence[float] | Float64Array) -> bool:
-        """Return whether a place, map metres, is in the cell of the start."""
+        """Return whether a position, map metres, is in the cell of the start."""
         return tuple(int(k) for k in self._geometry.world_to_cell(place)) == self._start
 
     def plan(self, start_xy: Sequence[float] | Float64Array, goal_xy: Sequence[float] | Float64Array) -> Path:
-        """Return the cheapest path to a goal as :func:`plan_path`, which raises the same; the start is in its cell."""
+        """Return the cheapest path to a goal, like :func:`plan_path` with the same errors. The start must be in the
+        start cell.
+        """
         start, costs, geometry = self._start, self._costs, self._geometry
         goal = _cell(geometry, goal_xy, "goal")
         if math.isinf(self._table[costs[start]]):
@@ -142,13 +146,13 @@ class GoalPlanner:
             points[-1] = goal_xy
         if n > 1 or end != goal:
             points[0] = start_xy
-        else:  # start and goal are in one cell
+        else:  # start and goal are in the same cell
             cells, points = np.repeat(cells, 2, axis=0), np.array([start_xy, goal_xy], dtype=np.float64)
         length = float(np.hypot(*np.diff(points, axis=0).T).sum())
         return Path(cells, points, float(potential[end]), length, end == goal, potential)
 
     def _potential(self, goal: Cell) -> Float64Array:
-        """Return the cost to come of the cells up to the goal at least; of all that can be reached without a way."""
+        """Return the cost-to-come of the cells up to the goal, or of all reachable cells if there is no path."""
         if self.config.use_astar:
             return cost_to_come(self._costs, self._table, self._start, goal, use_astar=True)
         potential = self._found
@@ -162,13 +166,13 @@ class GoalPlanner:
         return potential
 
     def _reaches(self, goal: Cell, name: str, table: Float64Array) -> bool:
-        """Return whether there were a way to the goal with other costs of the steps."""
+        """Return whether the goal could be reached with other step costs."""
         if name not in self._others:
             self._others[name] = cost_to_come(self._costs, table, self._start, None)
         return math.isfinite(self._others[name][goal])
 
     def _why_none(self, goal: Cell, potential: Float64Array) -> str:
-        """Return a sentence on what would have to be otherwise for a path to the goal to be found."""
+        """Return a sentence on what would have to change for a path to the goal to exist."""
         sentence, config = "There is no path to the goal", self.config
         if math.isinf(self._table[self._costs[goal]]):
             return (
@@ -186,10 +190,10 @@ class GoalPlanner:
 def cost_to_come(
     costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell | None, use_astar: bool = False
 ) -> Float64Array:
-    """Return the cost to come (rows, cols) from ``start``, by Dijkstra's algorithm or by A*; infinity elsewhere.
+    """Return the cost-to-come (rows, cols) from ``start``, by Dijkstra's algorithm or by A*; infinity elsewhere.
 
-    ``table`` (256,) has the costs of a straight step. The search ends where the goal's cost is known; without a way
-    there, or without a goal, which A* needs, it has the cost of every cell that can be reached.
+    ``table`` (256,) has the costs of a straight step. The search ends when the goal's cost is known. If the goal is
+    unreachable or absent (A* requires one), the result covers every reachable cell.
     """
     cols = costs.shape[1]
     least = float(table.min())
@@ -199,7 +203,7 @@ def cost_to_come(
     if use_astar:
         search(costs, table, *ends, least, np.empty(costs.size), first, other, out)
     else:
-        width = 0.999 * least  # narrower than any step, whatever the rounding of the sums
+        width = 0.999 * least  # narrower than any step, regardless of rounding in the sums
         n = int(math.sqrt(2.0) * float(table[np.isfinite(table)].max()) / width) + 3
         spread(costs, table, *ends, width, np.empty(n, dtype=np.int32), first, other, out)
     return out
@@ -219,7 +223,7 @@ def _cell(geometry: GridGeometry, place: Sequence[float] | Float64Array, what: s
 def _nearest(
     geometry: GridGeometry, potential: Float64Array, goal_xy: Sequence[float] | Float64Array, tolerance: float
 ) -> Cell | None:
-    """Return the reachable cell whose centre is nearest to the goal and at most ``tolerance`` m from it."""
+    """Return the reachable cell with the centre nearest to the goal and at most ``tolerance`` m from it."""
     row, col = (int(k) for k in geometry.world_to_cell(goal_xy))
     reach = int(tolerance / geometry.resolution) + 2
     top, left = max(row - reach, 0), max(col - reach, 0)

@@ -1,4 +1,4 @@
-"""Pure pursuit: drive along a path by aiming at a point ahead on it.
+"""Pure pursuit: path following by steering towards a lookahead point on the path.
 
 Sources: Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992; names, defaults
 and the regulation of the speed: Macenski et al., Regulated Pure Pursuit for Robot Path Tracking, 2023.
@@ -18,7 +18,7 @@ from mapper.planning.parameters import PursuitConfig
 
 
 class Command(NamedTuple):
-    """Velocity command: ``linear`` m/s and ``angular`` rad/s; and the ``carrot`` (x, y) that it aims at, m."""
+    """Velocity command: ``linear`` m/s and ``angular`` rad/s, with the ``carrot`` (x, y), the target point in m."""
 
     linear: float
     angular: float
@@ -30,8 +30,8 @@ def follow_path(
 ) -> Command:
     """Return the command for a robot at ``pose`` (x, y, yaw) that follows the path ``points`` (n, 2), map metres.
 
-    The robot aims at the point of the path at the lookahead distance, past the path's nearest point; near the end, at
-    the end. Its curvature is 2 y / L², for the point (x, y) at distance L in the robot's frame. Raises
+    The target is the point of the path at the lookahead distance, beyond the path's nearest point, or the path's end if
+    that is nearer. The curvature is 2 y / L², for the point (x, y) at distance L in the robot's frame. Raises
     :class:`ConfigError` for a path without points and numbers that are not finite.
     """
     config = config or PursuitConfig()
@@ -70,9 +70,9 @@ def _rest(path: Float64Array, here: Float64Array) -> Float64Array:
 
 
 def _ahead(path: Float64Array, here: Float64Array, distance: float) -> Float64Array:
-    """Return the first point of the path at ``distance`` m from ``here``, between two points where need be.
+    """Return the first point of the path at ``distance`` m from ``here``, interpolated if necessary.
 
-    The path's first point where that is farther already, and its last one where all are nearer.
+    It is the path's first point if that is already farther, and its last one if all are nearer.
     """
     far = np.hypot(*(path - here).T) >= distance
     if not far.any():
@@ -86,7 +86,7 @@ def _ahead(path: Float64Array, here: Float64Array, distance: float) -> Float64Ar
 
 
 def _regulated(speed: float, curvature: float, left: Float64Array, here: Float64Array, config: PursuitConfig) -> float:
-    """Return the speed, less in narrow curves and near the end of the path."""
+    """Return the speed, reduced in tight curves and near the end of the path."""
     if config.use_regulated_linear_velocity_scaling and curvature != 0.0:
         radius = abs(1.0 / curvature)
         least = config.regulated_linear_scaling_min_radius

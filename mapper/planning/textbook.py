@@ -1,4 +1,4 @@
-"""Dijkstra's algorithm and A* on a costmap in plain Python: what the compiled functions are compared with.
+"""Dijkstra's algorithm and A* on a costmap in plain Python: the reference for the compiled functions.
 
 Sources: Dijkstra, A Note on Two Problems in Connexion with Graphs, 1959; Hart, Nilsson & Raphael, A Formal Basis for
 the Heuristic Determination of Minimum Cost Paths, 1968.
@@ -14,15 +14,15 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 
-#: (rows, columns) to the eight neighbours; of two equally cheap predecessors the earlier one is taken
+#: (rows, columns) to the eight neighbours; of two equally cheap predecessors the first is used
 NEIGHBOURS = ((0, -1), (0, 1), (-1, 0), (1, 0), (-1, -1), (-1, 1), (1, -1), (1, 1))
 Cell = tuple[int, int]
 
 
 def neighbours(costs: UInt8Array, table: Float64Array, cell: Cell) -> Iterator[tuple[Cell, float]]:
-    """Yield each cell that a step from ``cell`` can lead to, and the step's length in cells.
+    """Yield each cell reachable by one step from ``cell``, and the step's length in cells.
 
-    ``table`` (256,) has the cost of a step onto each value, infinity for blocked. A diagonal step does not pass between
+    ``table`` (256,) has the cost of a step onto each value, infinity for blocked. A diagonal step must not pass between
     two blocked cells.
     """
     rows, cols = costs.shape
@@ -37,9 +37,10 @@ def neighbours(costs: UInt8Array, table: Float64Array, cell: Cell) -> Iterator[t
 
 
 def dijkstra(costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell | None) -> Float64Array:
-    """Return the cost to come (rows, cols) of each cell from ``start``: of those that cost no more than ``goal`` does.
+    """Return the cost-to-come (rows, cols) from ``start`` of the cells that cost no more than ``goal``; infinity
+    elsewhere.
 
-    Infinity elsewhere. All cells that can be reached have one where the goal cannot be reached, and without a goal.
+    If the goal is unreachable or absent, it covers all reachable cells.
     """
     potential = np.full(costs.shape, np.inf)
     potential[start] = 0.0
@@ -61,16 +62,16 @@ def dijkstra(costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell | N
 
 
 def octile_distance(a: Cell, b: Cell) -> float:
-    """Return the length in cells of the shortest way between two cells by straight and diagonal steps."""
+    """Return the length in cells of the shortest path between two cells by straight and diagonal steps."""
     d_row, d_col = abs(a[0] - b[0]), abs(a[1] - b[1])
     return max(d_row, d_col) + (math.sqrt(2.0) - 1.0) * min(d_row, d_col)
 
 
 def a_star(costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell) -> Float64Array:
-    """Return the cost to come (rows, cols) of the cells that A* has expanded; infinity elsewhere.
+    """Return the cost-to-come (rows, cols) of the cells expanded by A*; infinity elsewhere.
 
-    The estimate of the cost to go is the octile distance times the least cost of a step, which is never too high.
-    Cells of equal estimate are expanded in the order of their row and column.
+    The heuristic is the octile distance times the minimum cost of a step, which is admissible. Cells with equal
+    estimates are expanded in row-major order.
     """
     least = float(table.min())
     potential = np.full(costs.shape, np.inf)
@@ -94,7 +95,7 @@ def a_star(costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell) -> F
 
 
 def path_back(costs: UInt8Array, table: Float64Array, potential: Float64Array, start: Cell, goal: Cell) -> Int64Array:
-    """Return the cells (n, 2) of the cheapest way from ``start`` to ``goal``, both of which have a cost to come."""
+    """Return the cells (n, 2) of the cheapest path from ``start`` to ``goal``, both of which have a cost-to-come."""
     cells = [goal]
     while cells[-1] != start:
         here = cells[-1]

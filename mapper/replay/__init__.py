@@ -1,4 +1,4 @@
-"""A log's map at any time with any parameters."""
+"""Map of a log at any time with any parameters."""
 
 from mapper.replay.replay import Replay
 

@@ -1,8 +1,8 @@
-"""Checkpoints of a map, kept so that returning to one needs no mapping.
+"""Checkpoints of a map, so that returning to one requires no mapping.
 
-A moment is the map of the first k scans. Of each moment only those tiles are kept, compressed without loss, that were
-touched since the moment before: the tile of a moment is its newest version up to then, and one without any is as it
-was before the first scan. So many moments of a large map take little more memory than the map itself.
+A moment is the map of the first k scans. For each moment only the tiles touched since the moment before are stored,
+with lossless compression: the tile of a moment is its newest version up to then, or its initial state if it has none.
+So many moments of a large map take little more memory than the map itself.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from mapper.grid import TILE, CellBox, OccupancyGrid
 from mapper.mapping import cell_statistics
 from mapper.mapping.parameters import MappingConfig
 
-BUDGET_BYTES = 8 << 20  #: of all moments of one map
-SPACING = 1 << 24  #: cell updates between two moments: about a hundredth of a second's work
-WORTH_KEEPING = 32  #: cell updates, at least, for each cell kept: keeping shall cost a small part of mapping
+BUDGET_BYTES = 8 << 20  #: for all moments of one map
+SPACING = 1 << 24  #: cell updates between two moments: about a hundredth of a second of work
+WORTH_KEEPING = 32  #: minimum cell updates per stored cell, so that storing costs a small fraction of mapping
 ZSTD_LEVEL = 1
-_OVERHEAD_BYTES = 100  # what Python needs to keep a few bytes
+_OVERHEAD_BYTES = 100  # Python's overhead for a small bytes object
 
 Tile = tuple[int, int]  # row and column of a tile
 Part = tuple[slice, slice]
 
 
 class Checkpoints:
-    """The moments of one map, for one log, trajectory, geometry and ``config``. Several threads may use it.
+    """The moments of one map, for one log, trajectory, geometry and ``config``. Thread-safe.
 
-    ``touched`` (tile rows, tile cols) bool in what follows are the tiles that may differ from a moment.
+    In the methods, ``touched`` (tile rows, tile cols) bool are the tiles that may differ from a moment.
     """
 
     def __init__(self, config: MappingConfig) -> None:
         self.config = config
-        self.spacing = SPACING  #: cell updates between two moments; grows where there is no room for all
-        self.reached = 0  #: the last number of scans that any map was brought to
+        self.spacing = SPACING  #: cell updates between two moments; grows if there is no room for all
+        self.reached = 0  #: the last number of scans that any map reached
         self._moments: list[int] = []
         self._versions: dict[
             Tile, dict[int, bytes]
@@ -48,18 +48,18 @@ class Checkpoints:
 
     @property
     def moments(self) -> tuple[int, ...]:
-        """The moments that are kept besides 0, in order."""
+        """The stored moments except 0, in order."""
         with self._lock:
             return tuple(self._moments)
 
     @property
     def nbytes(self) -> int:
-        """About how many bytes are kept."""
+        """Approximate number of bytes stored."""
         return self._bytes
 
     @property
     def newest(self) -> int:
-        """The last moment; 0 where none is kept."""
+        """The last moment; 0 if none is stored."""
         with self._lock:
             return self._moments[-1] if self._moments else 0
 
@@ -76,13 +76,13 @@ class Checkpoints:
             return min(self._moments[place], last) if place < len(self._moments) else last
 
     def is_due(self, updates: int, touched: NDArray[np.bool_]) -> bool:
-        """Whether the cell updates since the last moment, and their tiles, are enough for another one."""
+        """Return whether the cell updates since the last moment, and their tiles, justify another one."""
         return updates >= max(self.spacing, WORTH_KEEPING * TILE * TILE * int(np.count_nonzero(touched)))
 
     def keep(self, grid: OccupancyGrid, touched: NDArray[np.bool_], index: int) -> bool:
-        """Keep the map of ``index`` scans, unless a later moment is kept already; return whether it is kept now.
+        """Store the map of ``index`` scans, unless a later moment is stored already; return whether it is now stored.
 
-        ``touched`` since a moment, whichever.
+        ``touched`` is relative to any stored moment.
         """
         compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
         tiles = _listed(touched)
@@ -103,20 +103,20 @@ class Checkpoints:
         moments = self._moments[::-2][::-1]
         self.spacing *= 2
         for tile, versions in self._versions.items():
-            # What a tile was at a forgotten moment it still was at the next one, or it has a version of that.
+            # A tile unchanged at the next moment keeps its version; otherwise it has a version of that moment.
             self._versions[tile] = {moments[bisect_left(moments, moment)]: data for moment, data in versions.items()}
         self._moments = moments
         self._bytes = sum(len(data) + _OVERHEAD_BYTES for each in self._versions.values() for data in each.values())
 
     def restore(self, grid: OccupancyGrid, touched: NDArray[np.bool_], since: int, moment: int) -> CellBox | None:
-        """Bring ``grid``, which was at the moment ``since`` and was ``touched`` after it, to ``moment``.
+        """Bring ``grid``, which was at the moment ``since`` and has been ``touched`` after it, to ``moment``.
 
-        Return the box of the cells that may have changed, None for none.
+        Return the box of the cells that may have changed, or None.
         """
         changed = touched.copy()
         with self._lock:
             low, high = sorted((since, moment))
-            place = bisect_left(self._moments, high)  # what changed up to a forgotten moment counts to the next one
+            place = bisect_left(self._moments, high)  # changes up to a dropped moment belong to the next one
             high = self._moments[place] if place < len(self._moments) else high
             for tile, versions in self._versions.items():
                 changed[tile] |= any(low < version <= high for version in versions)
@@ -124,7 +124,7 @@ class Checkpoints:
             copies = [self._version(tile, moment) for tile in tiles]
         cell_statistics.begin(grid, self.config.strategy)
         decompressor = zstandard.ZstdDecompressor()
-        # All is unpacked before the first cell changes: where there is no memory for it, the grid stays as it is.
+        # Decompress everything before changing any cell, so that the grid is unchanged if memory runs out.
         unpacked = [None if data is None else decompressor.decompress(data) for data in copies]
         for tile, data in zip(tiles, unpacked, strict=True):
             if data is None:
@@ -157,7 +157,7 @@ def _box_of(tiles: list[Tile], grid: OccupancyGrid) -> CellBox | None:
 
 
 def _packed(grid: OccupancyGrid, part: Part) -> bytes:
-    """Return all that a grid holds of some cells."""
+    """Return the packed contents of a grid for some cells."""
     arrays = [grid.log_odds[part], grid.observed[part]]
     return b"".join(
         array.tobytes()
@@ -166,7 +166,7 @@ def _packed(grid: OccupancyGrid, part: Part) -> bytes:
 
 
 def _fill(grid: OccupancyGrid, part: Part, data: bytes) -> None:
-    """Put back what :func:`_packed` returned."""
+    """Restore the contents returned by :func:`_packed`."""
     arrays = [grid.log_odds[part], grid.observed[part]]
     at = 0
     for array in arrays if grid.cell_statistics is None else [*arrays, *grid.cell_statistics[:, *part]]:

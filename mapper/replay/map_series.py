@@ -1,4 +1,4 @@
-"""What each scan of a log does to the map, as a series for plots: entropy, changed cells, contradicted readings."""
+"""Effect of each scan of a log on the map, as a series for plots: entropy, changed cells, contradicted readings."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from mapper.mapping.scan_batch import PosedScan, placed_scan, scan_batch_of_scan
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog, SonarScan
 
-ROWS = 2000  #: rows of a series, at most: of longer logs each row is of several scans
-TOLERANCE = 2  #: cells: an occupied cell so near to a reading's end does not contradict it
+ROWS = 2000  #: maximum rows of a series; in longer logs each row covers several scans
+TOLERANCE = 2  #: cells: an occupied cell this near to a reading's end does not contradict it
 
 ENTROPY = Column("entropy", "bit", "entropy")
 CHANGED = Column("cells changed", "cells", "cells changed")
@@ -38,15 +38,15 @@ def map_series(
     progress: Callable[[float], None] = lambda _: None,
     may_continue: Callable[[], bool] = lambda: True,
 ) -> Series:
-    """Return what the scans of a log do to its map with ``config`` along ``trajectory`` (None: the default).
+    """Return the effect of a log's scans on its map with ``config`` along ``trajectory`` (None: the default).
 
-    Columns, of at most :data:`ROWS` scans at equal distances, the last scan among them: the entropy of the observed
-    cells after it, bits, as :func:`mapper.grid.metrics.map_metrics`; how many cells have changed between unknown, free
-    and occupied since the row before; and the share of the scan's readings that the final map contradicts, per cent:
-    they end in a free cell or pass an occupied one, and that more than :data:`TOLERANCE` cells away from where they end
-    or from an occupied cell. A sonar's readings are cones, of which that is not told: NaN, as of a scan without
-    readings. ``progress`` is called with the share that is done. Raises as :func:`grid_for`, and
-    :class:`WorkCancelledError` where ``may_continue`` returns False.
+    There is a row for at most :data:`ROWS` evenly spaced scans, including the last. The columns are the entropy of the
+    observed cells after the scan, bits, see :func:`mapper.grid.metrics.map_metrics`; the number of cells that changed
+    between unknown, free and occupied since the row before; and the percentage of the scan's readings that the final
+    map contradicts: those that end in a free cell or pass an occupied one, more than :data:`TOLERANCE` cells away from
+    their end or from an occupied cell. The last is NaN for sonar cones and for scans without readings. ``progress`` is
+    called with the fraction done. Raises the errors of :func:`grid_for`, and :class:`WorkCancelledError` if
+    ``may_continue`` returns False.
     """
     step = max(1, -(-log.n_scans // ROWS))
     newest = np.append(np.arange(step - 1, log.n_scans - 1, step), log.n_scans - 1)
@@ -62,7 +62,7 @@ def map_series(
 
     grid = grid_for(log, config, trajectory, limits)
     states = np.full(grid.geometry.shape, UNKNOWN, dtype=np.int8)
-    bits = np.zeros(-(-len(states) // TILE))  #: of each row of tiles
+    bits = np.zeros(-(-len(states) // TILE))  #: per row of tiles
     start = 0
     for row, scan in enumerate(newest.tolist()):
         box = integrate_scans(grid, log, config, trajectory, start, scan + 1).box
@@ -93,7 +93,7 @@ def _contradicted(
     placed: PosedScan,
     config: MappingConfig,
 ) -> float:
-    """Return the share of a scan's readings that the map of ``states`` contradicts, per cent; NaN without readings."""
+    """Return the percentage of a scan's readings that the map of ``states`` contradicts; NaN without readings."""
     scan = placed.scan
     if isinstance(scan, SonarScan) and scan.beam_width > 0.0:
         return float("nan")

@@ -1,8 +1,8 @@
-"""A small picture of what a log maps, made of a bounded number of its beams. NumPy only.
+"""Small preview of a log's map, made from a bounded number of its beams. NumPy only.
 
-Each cell counts the beams that ended in it and those that passed it, as the reflection probability maps of
-Probabilistic Robotics, section 9.4, do. A cell of this coarse grid holds both a wall and the space before it, so it is
-shown as occupied from a share of :data:`OCCUPIED_SHARE` on.
+Each cell counts the beams that end in it and those that pass it, as in the reflection probability maps of Probabilistic
+Robotics, section 9.4. A cell of this coarse grid contains both a wall and the space before it, so it is shown as
+occupied from a fraction of :data:`OCCUPIED_SHARE` on.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from numpy.typing import NDArray
 from mapper.sensors.scan import ScanLog
 
 SIDE = 320  #: cells along the longer side
-MAX_SCANS = 400  #: of a log, spread evenly over it
-MAX_BEAMS = 120  #: of each scan, spread evenly over it
+MAX_SCANS = 400  #: of a log, evenly spaced
+MAX_BEAMS = 120  #: of each scan, evenly spaced
 LEAST_CELL_M = 0.05
 MARGIN_CELLS = 4
-OUTLIERS = 1.0  #: per cent of the end points at each edge that may lie outside the picture
+OUTLIERS = 1.0  #: per cent of the endpoints at each edge that may be outside the picture
 OCCUPIED_SHARE = 0.2
 
 UNOBSERVED, FREE, OCCUPIED, PATH = range(4)  #: codes of cells
 
 
 def cells_overview(free: NDArray[np.bool_], occupied: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """Return the codes of a picture of cells (rows, cols), row 0 at the greatest y, at most :data:`SIDE` a side.
+    """Return the codes of a picture of cells (rows, cols), row 0 at the greatest y, at most :data:`SIDE` per side.
 
-    ``free`` and ``occupied`` (rows, cols) have row 0 at the smallest y. A cell of the picture that stands for several
-    is occupied where one of them is, else free where one of them is.
+    ``free`` and ``occupied`` (rows, cols) have row 0 at the smallest y. A pixel that covers several cells is occupied
+    if one of them is, else free if one of them is.
     """
     step = -(-max(free.shape) // SIDE)
     codes = np.full((-(-free.shape[0] // step), -(-free.shape[1] // step)), UNOBSERVED, dtype=np.uint8)
@@ -38,9 +38,9 @@ def cells_overview(free: NDArray[np.bool_], occupied: NDArray[np.bool_]) -> NDAr
 
 
 def map_overview(log: ScanLog) -> NDArray[np.uint8] | None:
-    """Return the codes of the cells of a picture (rows, cols), row 0 at the greatest y.
+    """Return the codes of the pixels of a picture (rows, cols), row 0 at the greatest y.
 
-    None for a log without a reading. The poses are those of the log's first trajectory, whose path is drawn as well.
+    None for a log without readings. The poses are those of the log's first trajectory, whose path is also drawn.
     """
     n = log.n_scans
     poses = next((trajectory.poses for trajectory in log.trajectories.values()), None)
@@ -78,7 +78,7 @@ def map_overview(log: ScanLog) -> NDArray[np.uint8] | None:
         on_way = lengths > k * cell
         passed += np.bincount(cells_of(starts[on_way] + k * cell * steps[on_way]), minlength=rows * cols)
     codes = np.full(rows * cols, UNOBSERVED, dtype=np.uint8)
-    codes[passed > 1] = FREE  # one stray beam is no free space
+    codes[passed > 1] = FREE  # one stray beam does not make free space
     codes[(hits > 0) & (hits >= OCCUPIED_SHARE * (hits + passed))] = OCCUPIED
     codes[cells_of(_path(poses[:, :2], cell))] = PATH
     return codes.reshape(rows, cols)[::-1]
@@ -94,13 +94,13 @@ def _sensor_poses(
 
 
 def _bounds(ends: NDArray[np.float64], path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the corners of a box of the path and of all end points but a few far ones."""
+    """Return the corners of a box around the path and all endpoints except a few outliers."""
     low, high = np.percentile(ends, [OUTLIERS, 100.0 - OUTLIERS], axis=0)
     return np.minimum(low, path.min(axis=0)), np.maximum(high, path.max(axis=0))
 
 
 def _path(points: NDArray[np.float64], cell: float) -> NDArray[np.float64]:
-    """Return points along a path, at most half a cell apart and at most 16 for each step of it."""
+    """Return points along a path, at most half a cell apart and at most 16 per step of it."""
     points = points[np.unique(np.linspace(0, len(points) - 1, min(len(points), 4000)).round().astype(int))]
     if len(points) < 2:
         return points

@@ -1,4 +1,4 @@
-"""A log's map at any moment, with any parameters: incremental replay with checkpointed seek."""
+"""Incremental replay of a log's map with any parameters, with checkpointed seek."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from mapper.mapping.provenance import Provenance, provenance
 from mapper.replay.checkpoints import Checkpoints
 from mapper.sensors.scan import ScanLog
 
-#: Parameters that change the values of cells but not which place a log sees. Any other one is part of the key.
+#: Parameters that change the values of cells but not the extent of a log. Any other one is part of the key.
 WITHOUT_EFFECT = frozenset({
     "log_odds_hit", "log_odds_miss", "p_free", "p_occ", "cone_profile", "prior_weight", "hit_and_passed", "traversal",
     "clamp", "log_odds_min", "log_odds_max", "log_odds_prior",
 })  # fmt: skip
 BOUNDS_KEPT = 8  #: bounds kept
-COSTLY = ("model", "update", "no_return", "deskew", "resolution")  #: parameters on which it depends what a scan costs
-PART_READINGS = 1 << 22  #: readings that are added at once, at most
-FIRST_READINGS = 1 << 9  #: the same before it is known how many cells each of them touches
-MOST_UPDATES = 1 << 36  #: cell updates up to which checkpoints are prefetched: one or two minutes of one core
+COSTLY = ("model", "update", "no_return", "deskew", "resolution")  #: parameters that affect the cost of a scan
+PART_READINGS = 1 << 22  #: maximum number of readings added at once
+FIRST_READINGS = 1 << 9  #: the same before the number of cells per reading is known
+MOST_UPDATES = 1 << 36  #: cell updates up to which checkpoints are prefetched: one or two minutes on one core
 
 _BOUNDS_KEY = tuple(field.name for field in fields(MappingConfig) if field.name not in WITHOUT_EFFECT)
 
@@ -35,14 +35,14 @@ _BOUNDS_KEY = tuple(field.name for field in fields(MappingConfig) if field.name 
 class BoundsCache:
     """Computes the bounds of a log (:func:`mapper.mapping.integrate.bounds_of_log`) once per set of parameters.
 
-    It serves one log, and keeps the bounds that were requested last.
+    It serves one log, and keeps the most recently requested bounds.
     """
 
     def __init__(self) -> None:
         self._known: dict[tuple[object, ...], Bounds] = {}
 
     def __call__(self, log: ScanLog, config: MappingConfig, trajectory: str | None) -> Bounds:
-        """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
+        """Return the minimum and maximum x, y (2,), metres, of everything that ``log`` observes with ``config``."""
         key = (trajectory, *(getattr(config, name) for name in _BOUNDS_KEY))
         bounds = self._known.pop(key, None)
         if bounds is None:
@@ -56,9 +56,9 @@ class BoundsCache:
 class IncrementalReplay:
     """The map of the first :attr:`index` scans of a log, which can be brought to any other number of scans.
 
-    It keeps checkpoints, and continues from one of them where that is less work. ``grid`` is initially empty and
-    contains all that the log sees; it stays the same object. Not for several threads at once, but replays of several
-    threads may share their checkpoints.
+    It stores checkpoints, and continues from one of them if that is less work. ``grid`` is initially empty and covers
+    everything the log observes; it stays the same object. Not thread-safe, but replays in several threads may share
+    their checkpoints.
     """
 
     def __init__(
@@ -73,11 +73,11 @@ class IncrementalReplay:
         self.checkpoints = checkpoints or Checkpoints(config)
         self.index = 0  #: scans in the map
         self._scans, self._updates = 0, 0  # added so far
-        self._in_time: int | None = None  # scans that a step may add without taking too long; None: not known yet
+        self._in_time: int | None = None  # scans per step that keep it short; None: not known yet
         self._begin(0)
 
     def _begin(self, moment: int) -> None:
-        """Note that the map is as it was kept at a moment."""
+        """Record that the map is at a stored moment."""
         tiles = [-(-side // TILE) for side in self.grid.geometry.shape]
         self._since = moment
         self._updates_since = 0
@@ -86,9 +86,9 @@ class IncrementalReplay:
     def go_to(
         self, index: int, may_continue: Callable[[], bool] = lambda: True, enough: Callable[[], bool] = lambda: False
     ) -> Change:
-        """Bring the map to ``index`` scans, or on the way there up to the step after which ``enough`` returns True.
+        """Bring the map to ``index`` scans, or part of the way until ``enough`` returns True after a step.
 
-        Raises :class:`WorkCancelledError` where ``may_continue``, called between steps, returns False.
+        Raises :class:`WorkCancelledError` if ``may_continue``, called between steps, returns False.
         """
         moment = self.checkpoints.before(index)
         box = self._restore(moment) if index < self.index or moment > self.index else None
@@ -110,7 +110,7 @@ class IncrementalReplay:
         return box
 
     def step(self, last: int) -> Change:
-        """Add some scans, some hundredths of a second's work and not beyond ``last``; keep a checkpoint where due."""
+        """Add some scans, some hundredths of a second of work and not beyond ``last``; store a checkpoint if due."""
         checkpoints = self.checkpoints
         stop = checkpoints.after(self.index, min(self.index + self._scans_at_once(), last))
         began = time.thread_time()
@@ -135,7 +135,7 @@ class IncrementalReplay:
         return self._updates / self._scans if self._scans else None
 
     def expect_as(self, other: IncrementalReplay) -> None:
-        """Take the cost of a scan from another replay until this one has measured it."""
+        """Use the cost of a scan from another replay until this one has measured it."""
         self._scans, self._updates, self._in_time = other._scans, other._updates, other._in_time
 
     def _scans_at_once(self) -> int:
@@ -153,25 +153,25 @@ def _tiles_of(box: CellBox) -> tuple[slice, slice]:
 
 
 class CheckpointPrefetcher:
-    """Makes the checkpoints that a replay has not reached yet, on a grid of its own, in idle time.
+    """Creates the checkpoints that a replay has not reached yet, on a separate grid, in idle time.
 
-    For one thread at a time, which need not be that of the replay.
+    For one thread at a time, which may differ from that of the replay.
     """
 
     def __init__(self, replay: IncrementalReplay) -> None:
         self._follows = replay
-        self._replay: IncrementalReplay | None = None  # made by the thread that steps: a large grid takes time
+        self._replay: IncrementalReplay | None = None  # created by the stepping thread, because a large grid takes time
 
     @staticmethod
     def is_worth(replay: IncrementalReplay) -> bool:
-        """Whether the rest of the log is enough work to be noticed, but at most :data:`MOST_UPDATES`."""
+        """Return whether the rest of the log is noticeable work, but at most :data:`MOST_UPDATES`."""
         checkpoints, rate = replay.checkpoints, replay.updates_per_scan
         return (
             rate is not None and checkpoints.spacing < rate * (replay.log.n_scans - checkpoints.reached) < MOST_UPDATES
         )
 
     def step(self) -> bool:
-        """Work for some hundredths of a second, on this thread alone; return whether something is left to do."""
+        """Work for some hundredths of a second, on this thread only; return whether work remains."""
         replay = self._replay = self._replay or self._begin()
         with single_threaded():
             newest = replay.checkpoints.newest
@@ -191,10 +191,9 @@ class CheckpointPrefetcher:
 class Replay:
     """The map of the first :attr:`index` scans of a log.
 
-    The grid covers from the start all that the whole log sees, so its geometry does not change during the replay. Not
-    for several threads at once. With ``prior``, a map of the same place, mapping continues from it, on its lattice.
-    Raises as :func:`mapper.mapping.integrate.grid_for` does; after an error the replay is as
-    it was before.
+    The grid covers everything the whole log observes from the start, so its geometry does not change during the replay.
+    Not thread-safe. With ``prior``, a map of the same place, mapping continues from it, on its lattice. Raises the
+    errors of :func:`mapper.mapping.integrate.grid_for`; the replay is unchanged after an error.
     """
 
     def __init__(
@@ -229,26 +228,25 @@ class Replay:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The map; another object only after other parameters."""
+        """The map; replaced by another object only by other parameters."""
         return self._replay.grid
 
     @property
     def bounds(self) -> Bounds:
-        """The least and the greatest x, y (2,), metres, of all that the log sees with the present parameters."""
+        """Minimum and maximum x, y (2,), metres, of everything the log observes with the current parameters."""
         return self._bounds(self.log, self.config, self.trajectory)
 
     @property
     def index(self) -> int:
-        """Scans in the map."""
+        """Number of scans in the map."""
         return self._replay.index
 
     def advance_to(self, index: int, enough: Callable[[], bool] = lambda: False) -> Change:
-        """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less work.
+        """Bring the map to ``index`` scans, from its state or from a checkpoint, whichever is less work.
 
-        ``enough`` is called after each step, some hundredths of a second's work: where it returns True the map stays
-        where it is by then, that of fewer scans, and another call goes on. Raises :class:`ConfigError` for an index
-        that the log does not have, and :class:`mapper.core.errors.WorkCancelledError` where :attr:`wanted` returns
-        False.
+        ``enough`` is called after each step, some hundredths of a second of work. If it returns True, the map stays at
+        fewer scans, and another call continues. Raises :class:`ConfigError` for an index that the log does not have,
+        and :class:`mapper.core.errors.WorkCancelledError` if :attr:`may_continue` returns False.
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
@@ -263,12 +261,12 @@ class Replay:
 
     @property
     def fraction(self) -> float | None:
-        """The completed share of the computation that is running, 0 to 1; None while none is."""
+        """Completed fraction of the running computation, 0 to 1; None if none is running."""
         under_way = self._under_way
         return None if under_way is None else min(1.0, under_way[0].index / max(1, under_way[1]))
 
     def reconfigure(self, config: MappingConfig) -> Change:
-        """Make the whole map again with other parameters, at the same index."""
+        """Recompute the whole map with other parameters, at the same index."""
         replay = self._new_replay(self.log, config)
         if all(getattr(config, name) == getattr(self.config, name) for name in COSTLY):
             replay.expect_as(self._replay)
@@ -279,10 +277,11 @@ class Replay:
         return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
 
     def adopt(self, log: ScanLog) -> bool:
-        """Go on with ``log``, the same scans with other trajectories, if the map of the present scans stays as it is.
+        """Continue with ``log``, the same scans with other trajectories, if that does not change the map of the current
+        scans.
 
-        It does where the poses that it and its checkpoints were made with are equal in both, and where the grid holds
-        all that the log sees. Return whether it does; otherwise nothing changes.
+        That is the case if the poses used for it and its checkpoints are equal in both logs, and the grid covers
+        everything the log observes. Return whether it is; otherwise nothing changes.
         """
         old, new = (log_.trajectory(self.trajectory).known_poses for log_ in (self.log, log))
         if not np.array_equal(old, new, equal_nan=True):
@@ -298,14 +297,11 @@ class Replay:
         return True
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return a prefetcher of the checkpoints that this replay lacks; None where that is not worth while."""
+        """Return a prefetcher of the checkpoints that this replay lacks; None if that is not worthwhile."""
         return CheckpointPrefetcher(self._replay) if CheckpointPrefetcher.is_worth(self._replay) else None
 
     def provenance(self, row: int, col: int) -> Provenance:
-        """Return every beam that touched a cell of the present map, with the evidence that it added.
-
-        Raises :class:`ConfigError` for a cell outside the grid.
-        """
+        """Return every beam that touched a cell of the current map, with the evidence it added."""
         inside = self.grid.geometry.contains((row, col)) and self.grid.prior_map is not None
         prior = float(self.grid.prior()[row, col]) if inside else None
         return provenance(

@@ -1,4 +1,4 @@
-"""The perceptual fields of the beams of a sensor: the bearings that each of them sees."""
+"""Perceptual fields of a sensor's beams: the interval of bearings that each beam covers."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ def beam_fields(
 ) -> NDArray[np.float64]:
     """Return each beam's perceptual field (n_beams, 4): cosine and sine of its right edge, then of its left edge.
 
-    A beam sees the bearings nearer to it than to its neighbours: half an increment to either side, at most ``widest``,
-    the right edge included and the left one not. Neighbours share an edge to the last bit, so no bearing is seen twice;
-    beams that go on beyond one full turn see nothing more. Radians in. Source: Probabilistic Robotics, table 9.2
-    (β, the opening angle).
+    A beam covers the bearings nearer to it than to its neighbours: half an increment to either side, at most
+    ``widest``, including the right edge but not the left. Neighbours share an edge to the last bit, so no bearing is
+    covered twice; beams beyond one full turn cover nothing. Radians in. Source: Probabilistic Robotics, table 9.2 (β,
+    the opening angle).
     """
     turned = abs(angle_increment) * np.arange(n_beams + 1)
     half = min(abs(angle_increment) / 2.0, widest)
@@ -30,9 +30,9 @@ def beam_fields(
 
 
 def uneven_fields(bearings: NDArray[np.float64], widest: float = np.pi / 4.0) -> NDArray[np.float64]:
-    """Return what :func:`beam_fields` returns, for bearings (n_beams,) in any order and at any distance.
+    """Return :func:`beam_fields` for bearings (n_beams,) in any order and spacing.
 
-    Of beams with the same bearing, to a nanoradian, the first sees all and the others nothing.
+    Of beams with the same bearing, to a nanoradian, the first covers the whole field and the others nothing.
     """
     turn = round(2.0 * np.pi * 1e9)
     places = np.round(np.mod(bearings, 2.0 * np.pi) * 1e9).astype(np.int64) % turn
@@ -49,7 +49,7 @@ def uneven_fields(bearings: NDArray[np.float64], widest: float = np.pi / 4.0) ->
 
 
 def cones(bearings: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
-    """Return the edges (n_beams, 4) of cones of ``opening`` radians, which may overlap, as :func:`beam_fields` does."""
+    """Return the edges (n_beams, 4) of cones of ``opening`` radians, which may overlap, like :func:`beam_fields`."""
     return _as_fields(bearings - opening / 2.0, bearings + opening / 2.0)
 
 

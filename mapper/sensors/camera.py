@@ -1,7 +1,7 @@
-"""The pinhole model of a rectified camera, and the lens of one that is not.
+"""Pinhole model of a rectified camera, and lens model of an unrectified one.
 
-The pixel (u, v) with the depth z is the point ((u − cx) z / fx, (v − cy) z / fy, z) in the camera's optical frame: x to
-the right, y down, z ahead (REP 103). Source: sensor_msgs/CameraInfo; Hartley & Zisserman, Multiple View Geometry, 6.1.
+The pixel (u, v) with the depth z is the point ((u − cx) z / fx, (v − cy) z / fy, z) in the camera's optical frame: x
+right, y down, z forward (REP 103). Source: sensor_msgs/CameraInfo; Hartley & Zisserman, Multiple View Geometry, 6.1.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 
-STEPS = 257  #: between the axis and a place, at which it is seen whether a distortion model holds
+STEPS = 257  #: points between the axis and a position at which the validity of a distortion model is checked
 
 
 @dataclass(frozen=True, slots=True)
 class Intrinsics:
-    """Of a rectified image of ``width`` × ``height`` pixels: focal lengths and optical centre, pixels."""
+    """Intrinsics of a rectified image of ``width`` × ``height`` pixels: focal lengths and optical centre, pixels."""
 
     width: int
     height: int
@@ -41,20 +41,21 @@ class Intrinsics:
             )
 
     def beams(self) -> tuple[float, float]:
-        """Return angle_min and angle_increment, radians, of a scan with one beam for each column of the image."""
+        """Return angle_min and angle_increment, radians, of a scan with one beam per image column."""
         last = math.atan2(self.cx, self.fx)
         first = -math.atan2(self.width - 1 - self.cx, self.fx)
         return first, (last - first) / max(1, self.width - 1)
 
     def shares(self, x: float, y: float) -> tuple[float, float]:
-        """Return where (x, y, 1) in the optical frame is, as shares of the width and height from the upper left corner.
+        """Return the image position of (x, y, 1) in the optical frame, as fractions of width and height from the upper
+        left.
 
-        The centre of the first pixel is (0, 0) in pixels, and half a pixel from the corner.
+        The centre of the first pixel is (0, 0) in pixels, half a pixel from the corner.
         """
         return (self.fx * x + self.cx + 0.5) / self.width, (self.fy * y + self.cy + 0.5) / self.height
 
     def check_size(self, depth: NDArray[Any], what: str) -> None:
-        """Raise :class:`ConfigError` for an image (height, width) of another size; ``what`` names what this is from."""
+        """Raise :class:`ConfigError` for an image (height, width) of another size; ``what`` names the image."""
         if depth.shape != (self.height, self.width):
             raise ConfigError(
                 "camera.size",
@@ -64,7 +65,7 @@ class Intrinsics:
     def points(self, depth: NDArray[np.float32]) -> NDArray[np.float64]:
         """Return the points (height × width, 3) of a depth image (height, width), metres, in the optical frame.
 
-        Row after row, each with the depth's NaN where it has one. Raises as :meth:`check_size`.
+        Row-major order; NaN where the depth is NaN. Raises the errors of :meth:`check_size`.
         """
         self.check_size(depth, "intrinsics")
         z = depth.astype(np.float64)
@@ -77,9 +78,9 @@ class Intrinsics:
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """Of an image that is not rectified: what a CameraInfo states as K, R, and D with its distortion model.
+    """Lens model of an unrectified image: K, R, and D with its distortion model, as in CameraInfo.
 
-    ``rectification`` (9,) is R, row after row, which takes the camera's own optical frame to the rectified one.
+    ``rectification`` (9,) is R, row by row, which rotates the camera's optical frame to the rectified one.
     """
 
     intrinsics: Intrinsics
@@ -92,10 +93,10 @@ class Lens:
             raise ConfigError("camera.lens", "The numbers of a camera's lens must be finite.")
 
     def shares(self, place: NDArray[np.float64]) -> tuple[float, float] | None:
-        """Return where a place (3,) ahead in the rectified optical frame is, as :meth:`Intrinsics.shares`.
+        """Return the image position of a point (3,) in the rectified optical frame, like :meth:`Intrinsics.shares`.
 
-        None for one that the lens does not see: behind it, or so far from its axis that the model does not hold. Raises
-        :class:`ConfigError` for a model other than :data:`DISTORTIONS`. Source: ``unrectifyPoint`` of ROS's
+        None if the lens does not see the point: behind the camera, or so far from its axis that the model is not valid.
+        Raises :class:`ConfigError` for a model not in :data:`DISTORTIONS`. Source: ``unrectifyPoint`` of ROS's
         image_geometry.
         """
         x, y, z = (np.reshape(self.rectification, (3, 3)).T @ place).tolist()
@@ -118,9 +119,9 @@ class Lens:
 
 
 def _with_radius(coefficients: Sequence[float], x: float, y: float) -> tuple[float, float] | None:
-    """Distort by powers of the distance from the axis, and by a lens that is not parallel to the image.
+    """Apply radial distortion in powers of the distance from the axis, and tangential distortion.
 
-    k1, k2, p1, p2, k3 as "plumb_bob", and k4, k5, k6 of the denominator as "rational_polynomial". Source: OpenCV,
+    k1, k2, p1, p2, k3 for "plumb_bob", and k4, k5, k6 of the denominator for "rational_polynomial". Source: OpenCV,
     Camera Calibration and 3D Reconstruction; Brown, Decentering distortion of lenses, 1966.
     """
     k1, k2, p1, p2, k3, k4, k5, k6 = (*coefficients, *(0.0,) * 8)[:8]
@@ -136,7 +137,8 @@ def _with_radius(coefficients: Sequence[float], x: float, y: float) -> tuple[flo
 
 
 def _with_angle(coefficients: Sequence[float], x: float, y: float) -> tuple[float, float] | None:
-    """Distort by powers of the angle to the axis, k1 … k4: "equidistant". Source: OpenCV, Fisheye camera model.
+    """Apply distortion in powers of the angle to the axis, k1 … k4: "equidistant". Source: OpenCV, Fisheye camera
+    model.
 
     Kannala & Brandt, A generic camera model and calibration method, PAMI 28(8), 2006.
     """
@@ -150,9 +152,10 @@ def _with_angle(coefficients: Sequence[float], x: float, y: float) -> tuple[floa
 
 
 def _ascends(distance: Callable[[NDArray[np.float64]], NDArray[np.float64]], end: float) -> bool:
-    """Return whether the distance in the image grows with that from the axis, from 0 to ``end``.
+    """Return whether the distance in the image increases with the distance from the axis, from 0 to ``end``.
 
-    Where it no longer does, a model shows places again that are nearer to the axis: it was not fitted there.
+    Beyond a maximum, the model maps points to image positions nearer to the axis again, because it was not fitted
+    there.
     """
     if end == 0.0:
         return True
@@ -162,13 +165,15 @@ def _ascends(distance: Callable[[NDArray[np.float64]], NDArray[np.float64]], end
 
 @dataclass(frozen=True, slots=True)
 class Distortion:
-    """A distortion model: how many coefficients it has at most, and where (x, y, 1) is imaged at 1; None: nowhere."""
+    """A distortion model: its maximum number of coefficients, and the image position of (x, y, 1) at depth 1, or
+    None.
+    """
 
     coefficients: int
     distort: Callable[[Sequence[float], float, float], tuple[float, float] | None]
 
 
-#: By the names of sensor_msgs/CameraInfo.
+#: Keyed by the names of sensor_msgs/CameraInfo.
 DISTORTIONS: Mapping[str, Distortion] = {
     "plumb_bob": Distortion(5, _with_radius),
     "rational_polynomial": Distortion(8, _with_radius),

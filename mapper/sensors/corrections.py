@@ -1,4 +1,4 @@
-"""A log as it would be with another mount of its sensor and another clock: what a map's parameters correct."""
+"""Correction of a log's sensor mount and clock, as the mapping parameters do."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ NO_MOUNT = (0.0, 0.0, 0.0)
 def corrected_log(
     log: ScanLog, mount: ArrayLike = NO_MOUNT, *, turned_over: bool = False, time_offset: float = 0.0
 ) -> ScanLog:
-    """Return the log with a correction of its mount, ``T_laser_corrected`` (3,), and of its clock.
+    """Return the log with a corrected mount, ``T_laser_corrected`` (3,), and a corrected clock.
 
-    ``turned_over`` hangs the sensor the other way up. ``time_offset`` seconds are added to the stamps of the scans to
-    find their poses, as the mapping parameter of that name; scans that a trajectory does not cover then keep its first
-    or last pose, and poses that were found from the scans stay. The map of the result without corrections is that of
-    ``log`` with them. Of a :class:`JointLog` each sensor is corrected.
+    ``turned_over`` flips the sensor upside down. ``time_offset`` seconds are added to the scans' stamps to look up
+    their poses, like the mapping parameter of that name. Scans that a trajectory then does not cover keep its first or
+    last pose, and poses estimated from the scans do not change. Mapping the result without corrections equals mapping
+    ``log`` with them. For a :class:`JointLog` each sensor is corrected.
     """
     target = np.asarray(mount, dtype=np.float64)
     if not (target.any() or turned_over or time_offset):

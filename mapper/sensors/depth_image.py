@@ -1,4 +1,4 @@
-"""Depth images with the poses that they were taken from: one, and those of a folder."""
+"""Depth images with poses: single images and those of a folder."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from mapper.sensors.point_cloud import PointCloud, PosedCloud, check_pose
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DepthImage:
-    """Depths (height, width) float32, metres along the optical axis, 0 for no depth, of ``camera``.
+    """Depths (height, width) float32 of ``camera``, metres along the optical axis, 0 for no depth.
 
-    ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame: x to the right, y down, z ahead (REP 103).
+    ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame: x right, y down, z forward (REP 103).
     """
 
     depth: NDArray[np.float32]
@@ -26,10 +26,10 @@ class DepthImage:
 
 @dataclass(frozen=True, slots=True)
 class DepthFrame:
-    """One depth image: ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame (z ahead, y down).
+    """One depth image; ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame (z forward, y down).
 
-    ``read`` returns the depths along the optical axis (height, width) float32, metres, NaN where there is none, and
-    raises :class:`ReadError` for an image that cannot be read or is of another size than the intrinsics say.
+    ``read`` returns the depths along the optical axis (height, width) float32, metres, NaN for no depth. It raises
+    :class:`ReadError` for an image that cannot be read or whose size differs from the intrinsics.
     """
 
     name: str
@@ -43,9 +43,9 @@ class DepthFrame:
 
 @dataclass(frozen=True, slots=True)
 class DepthFolder:
-    """The depth images of one camera in their order. An image is read when it is asked for; none is kept.
+    """The depth images of one camera, in order. Images are read on demand and not kept.
 
-    Depths are whole multiples of ``unit`` metres, at most 65,535 of them, rounded to float32.
+    Depths are integer multiples of ``unit`` metres, at most 65,535 of them, rounded to float32.
     """
 
     camera: Intrinsics

@@ -1,4 +1,4 @@
-"""The scans of several sensors of one robot in the order of their times, as one log."""
+"""Scans of several sensors of one robot in time order, as one log."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from mapper.core.array_types import Int64Array
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import RangeScan, ScanLog, Trajectory
 
-SEPARATOR = " + "  #: between the topics of several sensors, in the name of their joint log
+SEPARATOR = " + "  #: between the topics of several sensors in the name of their joint log
 
 
 def ascending_times(stamps_ns: Int64Array, counted_ns: Int64Array | None = None) -> Int64Array | None:
-    """Return times (n,) that ascend with the scans, each at or after its stamp; None where the stamps do so.
+    """Return ascending times (n,), each at or after its scan's stamp; None if the stamps already ascend.
 
-    ``counted_ns`` (n,) are the stamps counted on where the clock of a recording began again.
+    ``counted_ns`` (n,) are the stamps continued across restarts of the recording's clock.
     """
     numbers = np.arange(len(stamps_ns))
     times = np.maximum.accumulate((stamps_ns if counted_ns is None else counted_ns) - numbers) + numbers
@@ -26,10 +26,10 @@ def ascending_times(stamps_ns: Int64Array, counted_ns: Int64Array | None = None)
 
 
 def scan_order(logs: Sequence[ScanLog]) -> tuple[Int64Array, Int64Array]:
-    """Return for all scans of the logs, in the order of their stamps, which log each is of and its index there, (n,).
+    """Return, for all scans of the logs ordered by stamp, the log of each scan and its index in it, (n,).
 
-    Within a log the order is the file's, also where the time runs backwards; of equal stamps the first log's is first.
-    Where a log has them, the times of its order (``order_ns``) count.
+    Within a log the file's order is kept, even if time runs backwards; for equal stamps the first log comes first. If a
+    log has ``order_ns``, these times are used instead of the stamps.
     """
     stamps = [np.maximum.accumulate(log.stamps_ns if log.order_ns is None else log.order_ns) for log in logs]
     numbers = np.repeat(np.arange(len(logs)), [log.n_scans for log in logs])
@@ -40,12 +40,12 @@ def scan_order(logs: Sequence[ScanLog]) -> tuple[Int64Array, Int64Array]:
 
 @dataclass(frozen=True, slots=True)
 class JointLog(ScanLog):
-    """One log of several planar sensors, whose scans follow one another in the order of their stamps.
+    """One log of several planar sensors, with their scans in the order of their stamps.
 
-    ``parts`` are the sensors' own logs; scan t is the scan ``scan_of_part[t]`` of the part ``part_of_scan[t]``, both
-    (n_scans,) int64. ``ranges`` (n_scans, n_beams) has as many columns as the sensor with most beams, NaN in those that
-    a scan's own sensor lacks. Trajectories are those that all parts have, in one frame. What else a log says of its
-    sensor — mount, bearings, times between beams — is the first part's here, and each part's own there.
+    ``parts`` are the sensors' own logs. Scan t is the scan ``scan_of_part[t]`` of the part ``part_of_scan[t]``, both
+    (n_scans,) int64. ``ranges`` (n_scans, n_beams) has as many columns as the sensor with most beams, NaN in the
+    columns that a scan's sensor lacks. Trajectories are those that all parts have, in one frame. Other sensor
+    properties — mount, bearings, times between beams — are those of the first part here; each part has its own.
     """
 
     parts: tuple[ScanLog, ...] = ()
@@ -53,9 +53,9 @@ class JointLog(ScanLog):
     scan_of_part: Int64Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def __post_init__(self) -> None:
-        # Without arguments super() does not work in a class with slots.
+        # super() without arguments does not work in a class with slots.
         ScanLog.__post_init__(self)
-        # A trajectory that was added to this log, or replaced in it, is one of each part as well.
+        # A trajectory added to this log or replaced in it also applies to each part.
         parts = []
         for number, part in enumerate(self.parts):
             own = self.part_of_scan == number
@@ -70,9 +70,10 @@ class JointLog(ScanLog):
 
     @classmethod
     def of(cls, logs: Sequence[ScanLog]) -> JointLog:
-        """Return the log of these sensors, or of one sensor whose scans have different beams, in parts of one topic.
+        """Return the joint log of several sensors, or of one sensor whose scans have different beams, in parts of one
+        topic.
 
-        Raises :class:`ConfigError` for sonars together with lidars, and where no trajectory is that of all sensors.
+        Raises :class:`ConfigError` for sonars mixed with lidars, and if no trajectory is common to all sensors.
         """
         if len({log.beam_width > 0.0 for log in logs}) > 1:
             raise ConfigError(
@@ -123,7 +124,7 @@ class JointLog(ScanLog):
         )
 
     def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> ScanLog:
-        """Return the log of some of the scans, in their order here."""
+        """Return the log of some of the scans, in the order of this log."""
         chosen = np.zeros(self.n_scans, dtype=np.bool_)
         chosen[scans] = True
         return JointLog.of(
@@ -134,21 +135,21 @@ class JointLog(ScanLog):
         )
 
     def scan(self, index: int) -> RangeScan:
-        """Return scan ``index``, as its sensor's log does."""
+        """Return scan ``index`` as in its sensor's log."""
         part = self.parts[int(self.part_of_scan[index])]
         return part.scan(int(self.scan_of_part[index]))
 
     def mount_of(self, index: int) -> NDArray[np.float64]:
-        """Return ``T_base_laser`` (3,) of the sensor that took scan ``index``, at that scan."""
+        """Return ``T_base_laser`` (3,) of the sensor of scan ``index``, at that scan."""
         part = self.parts[int(self.part_of_scan[index])]
         return part.mount_of(int(self.scan_of_part[index]))
 
     def can_deskew(self, trajectory: str | None = None) -> bool:
-        """Return whether the beams of a scan of any sensor were measured at known times, as its own log does."""
+        """Return whether the scans of any sensor can be deskewed, according to its own log."""
         return any(part.can_deskew(trajectory) for part in self.parts)
 
     def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
-        """Return ``T_map_laser`` of every scan (n_scans, 3), each of its own sensor."""
+        """Return ``T_map_laser`` of every scan (n_scans, 3), each with its own sensor."""
         poses = np.empty((self.n_scans, 3))
         for number, part in enumerate(self.parts):
             poses[self.part_of_scan == number] = part.sensor_poses(trajectory)
@@ -161,9 +162,9 @@ def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
 
 
 def sensor_numbers(parts: Sequence[ScanLog]) -> Int64Array:
-    """Return the number of the sensor that each part is of, in the order of their first parts.
+    """Return the sensor number of each part, in the order of first occurrence.
 
-    Parts of one topic and frame are one sensor, whose scans have different beams or limits.
+    Parts with one topic and frame are one sensor, whose scans have different beams or limits.
     """
     known: dict[tuple[str, str] | int, int] = {}
     names = [(part.topic, part.frame_id) if part.topic else number for number, part in enumerate(parts)]
@@ -171,7 +172,7 @@ def sensor_numbers(parts: Sequence[ScanLog]) -> Int64Array:
 
 
 def by_sensor(log: ScanLog) -> list[tuple[ScanLog, Int64Array]]:
-    """Return the log of each sensor of a log (:func:`sensor_numbers`), and which of the log's scans its scans are."""
+    """Return the log of each sensor of a log (:func:`sensor_numbers`), and the indices of its scans in the log."""
     if not isinstance(log, JointLog):
         return [(log, np.arange(log.n_scans))]
     of_part = sensor_numbers(log.parts)
@@ -185,12 +186,12 @@ def by_sensor(log: ScanLog) -> list[tuple[ScanLog, Int64Array]]:
 
 
 def each_part(log: ScanLog, changed: Callable[[ScanLog], ScanLog]) -> ScanLog:
-    """Return a log with ``changed`` applied to each of its parts, which keeps their scans; or to itself."""
+    """Return a log with ``changed``, which must keep the scans, applied to each of its parts, or to the log itself."""
     return JointLog.of([changed(part) for part in log.parts]) if isinstance(log, JointLog) else changed(log)
 
 
 def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> ScanLog:
-    """Return a log, and its parts, with these trajectories and no others, and without its odometry."""
+    """Return a log, and its parts, with only these trajectories and without odometry."""
     if not isinstance(log, JointLog):
         return replace(log, trajectories=trajectories, odometry=None)
     owners = [log.part_of_scan == number for number in range(len(log.parts))]
@@ -207,7 +208,7 @@ def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> S
 
 
 def is_measured(log: ScanLog) -> NDArray[np.bool_]:
-    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of the sensor that took them."""
+    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of their sensor."""
     least, greatest = (
         np.array([getattr(part, name) for part in sensors_of(log)])[part_of_scan(log), np.newaxis]
         for name in ("range_min", "range_max")
@@ -216,7 +217,9 @@ def is_measured(log: ScanLog) -> NDArray[np.bool_]:
 
 
 def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> ScanLog:
-    """Return a log with more notes, behind its own or, with ``first``, before them; a joint log's first part too."""
+    """Return a log with additional notes, after its own or, with ``first``, before them; also in a joint log's first
+    part.
+    """
     if not notes:
         return log
     both = (*notes, *log.notes) if first else (*log.notes, *notes)
@@ -226,7 +229,7 @@ def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> Sc
 
 
 def without_notes(log: ScanLog, notes: Sequence[str]) -> ScanLog:
-    """Return a log without these notes; a joint log's parts too."""
+    """Return a log without these notes; also in a joint log's parts."""
     kept = tuple(note for note in log.notes if note not in notes)
     if not isinstance(log, JointLog):
         return replace(log, notes=kept)
@@ -234,17 +237,17 @@ def without_notes(log: ScanLog, notes: Sequence[str]) -> ScanLog:
 
 
 def part_of_scan(log: ScanLog) -> Int64Array:
-    """Return which of :func:`sensors_of` a log each scan (n_scans,) is of."""
+    """Return the index in :func:`sensors_of` of each scan (n_scans,)."""
     return log.part_of_scan if isinstance(log, JointLog) else np.zeros(log.n_scans, dtype=np.int64)
 
 
 def sensor_of_scan(log: ScanLog) -> Int64Array:
-    """Return the number of the sensor (:func:`sensor_numbers`) that each scan (n_scans,) is of."""
+    """Return the sensor number (:func:`sensor_numbers`) of each scan (n_scans,)."""
     return sensor_numbers(sensors_of(log))[part_of_scan(log)]
 
 
 def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:
-    """Return a note where sensors' stamps have no time in common, as those of different clocks."""
+    """Return a note if the stamps of the sensors do not overlap, as with different clocks."""
     spans = [(int(log.stamps_ns.min()), int(log.stamps_ns.max()), log.topic) for log in logs if log.n_scans]
     first = min(spans, key=lambda span: span[1], default=None)
     late = [name for start, _, name in spans if first is not None and start > first[1] and name != first[2]]
@@ -258,7 +261,7 @@ def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:
 
 
 def _is_common(name: str, logs: Sequence[ScanLog]) -> bool:
-    """Return whether all logs have a trajectory of this name, in one frame; a placeholder's frame says nothing."""
+    """Return whether all logs have a trajectory of this name in one frame, ignoring the frames of placeholders."""
     trajectories = [log.trajectories.get(name) for log in logs]
     known = [trajectory for trajectory in trajectories if trajectory is not None]
     frames = {trajectory.frame_id for trajectory in known if not trajectory.is_placeholder}

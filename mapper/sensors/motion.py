@@ -12,15 +12,12 @@ from mapper.sensors.joint_log import JointLog, each_part
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses, number_before, poses_at, poses_between
 
-DENSE_S = 0.5  #: seconds: poses at most so far apart say enough of the motion between them
+DENSE_S = 0.5  #: seconds: poses at most this far apart determine the motion between them
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """The poses of one trajectory in the order of their times.
-
-    ``times`` (m,) float64 seconds, ascending; ``poses`` (m, 3) ``T_frame_base``, metres and radians.
-    """
+    """The poses of one trajectory in time order."""
 
     times: Float64Array
     poses: Float64Array
@@ -29,9 +26,9 @@ class Motion:
     def of(cls, log: ScanLog, trajectory: str | None = None) -> Motion:
         """Return the motion along a trajectory (None: the default).
 
-        That is between the poses as their source states them, where the trajectory has them with stamps of their own,
-        else between the known poses at the scans' stamps. Where stamps run backwards they are sorted. Raises
-        :class:`ConfigError` for a trajectory that the log lacks.
+        It uses the poses with their own stamps if the trajectory has them, otherwise the known poses at the scans'
+        stamps. Poses are sorted if stamps run backwards. Raises :class:`ConfigError` for a trajectory that the log
+        lacks.
         """
         chosen, stamps = log.trajectory(trajectory), log.stamps_ns
         if chosen.is_known is not None and chosen.is_known.any():
@@ -41,26 +38,26 @@ class Motion:
         return cls(timed.stamps_ns.astype(np.float64) * 1e-9, timed.poses)
 
     def at(self, times: Float64Array) -> Float64Array:
-        """Return the poses (..., 3) at ``times`` (...), seconds, as :func:`mapper.sensors.timed_poses.poses_at`."""
+        """Return the poses (..., 3) at ``times`` (...), seconds, like :func:`mapper.sensors.timed_poses.poses_at`."""
         return poses_at(self.times, self.poses, times)
 
     def along(self, sweeps: Float64Array) -> Float64Array:
-        """Return :meth:`at` the times of ``sweeps`` (n, b), seconds, faster where each rises or falls along its row."""
+        """Return :meth:`at` for the times ``sweeps`` (n, b), seconds, faster if each row is monotonic."""
         low = number_before(self.times, sweeps[:, 0])
         poses = poses_between(self.times, self.poses, low[:, np.newaxis], sweeps)
-        others = low != number_before(self.times, sweeps[:, -1])  # sweeps in the middle of which a pose lies
+        others = low != number_before(self.times, sweeps[:, -1])  # sweeps that contain a pose
         if others.any():
             poses[others] = self.at(sweeps[others])
         return poses
 
     def covers(self, times: Float64Array) -> NDArray[np.bool_]:
-        """Return whether ``times`` (...), seconds, lie between the first and the last pose."""
+        """Return whether ``times`` (...), seconds, are between the first and the last pose."""
         return np.asarray((times >= self.times[0]) & (times <= self.times[-1]))
 
     def is_dense(self, first: Float64Array, last: Float64Array) -> NDArray[np.bool_]:
-        """Return for spans of time from ``first`` to ``last`` (n,), seconds, whether the poses around each are dense.
+        """Return whether the poses are dense around each span from ``first`` to ``last`` (n,), seconds.
 
-        That is where a pose lies at or before the span and one at or after it, at most :data:`DENSE_S` apart.
+        They are if there is a pose at or before the span and one at or after it, at most :data:`DENSE_S` apart.
         """
         low = np.searchsorted(self.times, np.minimum(first, last), side="right") - 1
         high = np.searchsorted(self.times, np.maximum(first, last), side="left")
@@ -75,12 +72,13 @@ def seconds(log: ScanLog) -> Float64Array:
 
 
 def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset: float = 0.0) -> ScanLog:
-    """Return the log with one trajectory only, each scan at the robot's pose in the middle of its sweep.
+    """Return the log with one trajectory, with each scan at the robot's pose in the middle of its sweep.
 
-    It is for judging a log by few of its scans: the best single pose of a scan whose beams cannot be deskewed. Scans
-    for whose sweep the poses are not dense, as :meth:`Motion.is_dense`, keep the pose at their stamps. ``time_offset``
-    seconds are added to the stamps to find the poses; scans that the trajectory does not cover then, or whose pose is
-    not known, are NaN. The log that is returned states no time increment. Of several sensors each is taken so.
+    This is the best single pose for a scan whose beams cannot be deskewed, and is used to assess a log by few of its
+    scans. Scans without dense poses around their sweep (:meth:`Motion.is_dense`) keep the pose at their stamp.
+    ``time_offset`` seconds are added to the stamps to look up the poses; scans that the trajectory then does not cover,
+    or whose pose is unknown, are NaN. The returned log has no time increment. For several sensors each is processed in
+    this way.
     """
     name = trajectory or log.default_trajectory
     if isinstance(log, JointLog):

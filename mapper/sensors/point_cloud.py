@@ -1,4 +1,4 @@
-"""Points in space as a sensor or a file states them."""
+"""Point clouds as stated by a sensor or a file."""
 
 from __future__ import annotations
 
@@ -11,21 +11,20 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 
-ROTATION_TOLERANCE = 1e-3  #: how far R Rᵀ may be from the identity: files have as few as four digits
+ROTATION_TOLERANCE = 1e-3  #: tolerance of R Rᵀ against the identity: files have as few as four digits
 
 
 @dataclass(frozen=True, slots=True)
 class PointCloud:
     """Points (n, 3) float32 or float64, metres in the frame ``frame_id``, at ``stamp_ns``.
 
-    ``shape`` (height, width) is that of an organised cloud, whose points are those of an image row after row, and
-    (1, n) of any other. Points of it without a reading are NaN. ``fields`` has the other fields of the points,
-    by name: (n,), or (n, k) where a point has k numbers. Readers of files give these their names, whatever the format
-    calls them: ``intensity`` (n,), ``normals`` (n, 3), ``rgb`` (n, 3) uint8, ``class`` (n,) and ``ring`` (n,) integers.
-    ``times`` (n,) float64 is when each point was measured, seconds after the stamp; None where that is not stated.
-    ``sensor_pose`` (4, 4) is ``T_frame_sensor``, where the sensor was, None where that is not stated. ``notes`` are
-    sentences on what the reader found. Raises :class:`ConfigError` for arrays of different lengths and for
-    an invalid pose.
+    ``shape`` (height, width) is that of an organised cloud, whose points are in the row-major order of an image, or (1,
+    n). Points without a reading are NaN. ``fields`` has the other fields of the points by name: (n,), or (n, k) for k
+    numbers per point. File readers use these names for all formats: ``intensity`` (n,), ``normals`` (n, 3), ``rgb`` (n,
+    3) uint8, ``class`` (n,) and ``ring`` (n,) integers. ``times`` (n,) float64 is the time of each point, in seconds
+    after the stamp, or None. ``sensor_pose`` (4, 4) is ``T_frame_sensor``, or None if not stated. ``notes`` are the
+    reader's remarks, one sentence each. Raises :class:`ConfigError` for arrays of different lengths and for an invalid
+    pose.
     """
 
     points: NDArray[np.floating[Any]]
@@ -56,7 +55,7 @@ class PointCloud:
 
     @property
     def is_organised(self) -> bool:
-        """Whether the points are those of an image, with neighbours above and below."""
+        """Whether the points have the row and column structure of an image."""
         return self.shape is not None and self.shape[0] > 1
 
     @property
@@ -67,7 +66,7 @@ class PointCloud:
 
 @dataclass(frozen=True, slots=True)
 class PosedCloud:
-    """A cloud in its sensor's frame, and ``pose`` (4, 4), ``T_map_sensor``: where that was when it was measured."""
+    """A cloud in its sensor's frame, and ``pose`` (4, 4), ``T_map_sensor`` at the time of measurement."""
 
     cloud: PointCloud
     pose: NDArray[np.float64]
@@ -81,14 +80,14 @@ class PosedCloud:
         return self.pose[:3, 3]
 
     def points_in_map(self) -> NDArray[np.float64]:
-        """Return the points (n, 3) float64, metres in the map's frame."""
+        """Return the points (n, 3) float64, metres in the map frame."""
         return np.asarray(self.cloud.points.astype(np.float64) @ self.pose[:3, :3].T + self.pose[:3, 3])
 
 
 def check_pose(pose: NDArray[np.float64], whose: str) -> None:
-    """Raise :class:`ConfigError` unless ``pose`` (4, 4) is a rigid motion: a rotation, a finite translation.
+    """Raise :class:`ConfigError` unless ``pose`` (4, 4) is a rigid motion: a rotation and a finite translation.
 
-    ``whose`` begins the sentence that says what is wrong with it.
+    ``whose`` is the beginning of the error message.
     """
     if pose.shape != (4, 4):
         raise ConfigError("cloud.pose", f"{whose} must have shape (4, 4), not {pose.shape}.")

@@ -1,4 +1,4 @@
-"""A graph of poses and of measured motions between them: what graph-based SLAM optimises.
+"""Graph of poses and measured relative poses, as optimised by graph-based SLAM.
 
 Source: Lu & Milios 1997, Globally consistent range scan alignment for environment mapping; Grisetti et al. 2010, A
 tutorial on graph-based SLAM.
@@ -14,21 +14,21 @@ from numpy.typing import ArrayLike, NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import check_poses
 
-ODOMETRY, LOOP = 0, 1  #: kinds of edges: between nodes that follow one another, and between others
-#: Residuals from which a loop is strained, and from which it contradicts the rest; standard deviations.
+ODOMETRY, LOOP = 0, 1  #: kinds of edges: between consecutive nodes, and between others
+#: Residuals, in standard deviations, from which a loop is strained and from which it contradicts the other edges.
 STRAINED, CONTRADICTS = 2.0, 5.0
 
 
 @dataclass(frozen=True, slots=True)
 class PoseGraph:
-    """Poses and edges, in arrays; an edge is a measurement ``Z ≈ Tᵢ⁻¹ ∘ Tⱼ`` between the nodes i and j.
+    """Poses and edges in arrays; an edge is a measurement ``Z ≈ Tᵢ⁻¹ ∘ Tⱼ`` between the nodes i and j.
 
-    ``nodes`` (m,) int64 are scan numbers, ascending; ``poses`` (m, 3) are ``T_map_base``, metres and radians. ``i``
-    and ``j`` (e,) int64 are rows of ``nodes``; ``relative`` (e, 3) is Z; ``information`` (e, 3, 3) its inverse
-    covariance in the frame of Z, as g2o has it; ``kind`` (e,) uint8 is :data:`ODOMETRY` or :data:`LOOP`. The robust
-    kernel never gives a ``locked`` (e,) loop less weight. ``residual`` (e,) is √(eᵀ Ω e) at the poses, in standard
-    deviations, and ``weight`` (e,) what the robust kernel leaves of the edge, 0 … 1; both come from the optimiser.
-    Raises :class:`ConfigError` for arrays that do not fit together.
+    ``nodes`` (m,) int64 are scan numbers, ascending; ``poses`` (m, 3) are ``T_map_base``, metres and radians. ``i`` and
+    ``j`` (e,) int64 are rows of ``nodes``; ``relative`` (e, 3) is Z; ``information`` (e, 3, 3) is its inverse
+    covariance in the frame of Z, as in g2o; ``kind`` (e,) uint8 is :data:`ODOMETRY` or :data:`LOOP`. The robust kernel
+    never reduces the weight of a ``locked`` (e,) loop. ``residual`` (e,) is √(eᵀ Ω e) at the poses, in standard
+    deviations, and ``weight`` (e,) the robust kernel's factor, 0 to 1; both are set by the optimiser. Raises
+    :class:`ConfigError` for inconsistent arrays.
     """
 
     nodes: NDArray[np.int64]
@@ -73,10 +73,7 @@ class PoseGraph:
     def with_loop(
         self, i: int, j: int, relative: ArrayLike, information: ArrayLike, *, locked: bool = False
     ) -> PoseGraph:
-        """Return the graph with one more loop, its last edge, from node row ``i`` to node row ``j``.
-
-        ``relative`` (3,) is ``Tᵢ⁻¹ ∘ Tⱼ``, ``information`` (3, 3). Raises :class:`ConfigError`.
-        """
+        """Return the graph with a loop appended as its last edge, from node row ``i`` to node row ``j``."""
         return replace(
             self,
             i=np.append(self.i, i),
@@ -92,7 +89,7 @@ class PoseGraph:
         )
 
     def without_edge(self, edge: int) -> PoseGraph:
-        """Return the graph without one of its loops. Raises :class:`ConfigError` for an edge that is no loop."""
+        """Return the graph without one of its loops. Raises :class:`ConfigError` for an edge that is not a loop."""
         self._check_loop(edge)
         others = np.arange(len(self.i)) != edge
         return replace(
@@ -104,7 +101,9 @@ class PoseGraph:
         )
 
     def with_lock(self, edge: int, *, locked: bool = True) -> PoseGraph:
-        """Return the graph with a loop locked, or not. Raises :class:`ConfigError` for an edge that is no loop."""
+        """Return the graph with a loop locked or unlocked. Raises :class:`ConfigError` for an edge that is not a
+        loop.
+        """
         self._check_loop(edge)
         changed = self.locked.copy()
         changed[edge] = locked

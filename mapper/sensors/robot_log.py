@@ -1,4 +1,4 @@
-"""Recording of one robot: its planar sensors, its trajectories, the tree of its frames."""
+"""Recording of one robot: planar sensors, trajectories and frame tree."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from mapper.sensors.timed_poses import TimedPoses
 
 @dataclass(frozen=True, slots=True)
 class TransformEdge:
-    """Transform of the frame ``child`` in ``parent`` over time, as a log states it.
+    """Transform of the frame ``child`` in ``parent`` over time, as stated by a log.
 
-    ``is_static`` says that it was stated as never changing (tf_static), ``moves`` that it was stated differently at
-    different times, ``count`` how often it was stated.
+    ``is_static`` means that it was published as constant (tf_static), ``moves`` that its value changed over time;
+    ``count`` is the number of messages.
     """
 
     parent: str
@@ -30,11 +30,11 @@ class TransformEdge:
 class RobotLog:
     """A log of one robot: streams, trajectories and transforms.
 
-    ``sensors`` has the planar range sensors that were asked for, by topic, each with its mount and with the poses at
-    its stamps; the first is the one to map where nothing else is said. ``trajectories`` has the robot's poses by name,
-    as their sources state them: at their own rates, with their own stamps. ``transforms`` is the tree of frames as it
-    was read, ``topics`` all that the file holds. ``clouds`` and ``imus`` are the point clouds and the IMUs by topic,
-    which are read from the recording when they are asked for. Raises :class:`ConfigError` for a log without a sensor.
+    ``sensors`` has the requested planar range sensors by topic, each with its mount and with the poses at its stamps;
+    the first is mapped by default. ``trajectories`` has the robot's poses by name, with the rates and stamps of their
+    sources. ``transforms`` is the frame tree as read, ``topics`` lists all streams of the file. ``clouds`` and ``imus``
+    are the point clouds and the IMUs by topic, which are read from the recording on demand. Raises :class:`ConfigError`
+    for a log without a sensor.
     """
 
     sensors: Mapping[str, ScanLog]
@@ -59,10 +59,10 @@ class RobotLog:
 
     @property
     def first(self) -> ScanLog:
-        """The sensor to map where none is named."""
+        """The sensor that is mapped by default."""
         return next(iter(self.sensors.values()))
 
     @property
     def topics(self) -> tuple[Topic, ...]:
-        """All that the file holds, the sensors first; empty for formats of one stream."""
+        """All streams of the file, the sensors first; empty for formats with one stream."""
         return self.first.topics

@@ -1,7 +1,7 @@
-"""Readings of a range sensor: one scan, and a whole log of scans packed into arrays.
+"""Readings of a range sensor: single scans, and logs of scans packed into arrays.
 
 Readings follow REP 117: +Inf is "no return", −Inf "too close to measure", NaN an invalid reading; a reading r is a
-measured range when ``range_min <= r <= range_max``. Source: sensor_msgs/LaserScan, REP 117.
+measured range if ``range_min <= r <= range_max``. Source: sensor_msgs/LaserScan, REP 117.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mapper.sensors.georeference import NO_OFFSET, Offset, note_on_offset, offse
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
-MOST_DEGREES = 361.0  #: of a whole turn, whose last beam may be its first one
+MOST_DEGREES = 361.0  #: a full turn plus one, because the last beam may coincide with the first
 LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
 
 
@@ -33,7 +33,7 @@ def is_angle_step(angle_increment: float, n_beams: int) -> bool:
 def are_degrees(angle_min: float, angle_increment: float, n_beams: int) -> bool:
     """Return whether angles that should be radians are degrees.
 
-    As radians the beams would go round twice or more, and as degrees they go round once at most.
+    That is, whether the beams span two turns or more as radians, and at most one turn as degrees.
     """
     whole = abs(angle_increment) * (n_beams - 1)
     return n_beams > 2 and 4.0 * np.pi <= whole <= MOST_DEGREES and abs(angle_min) <= MOST_DEGREES
@@ -65,11 +65,11 @@ def _check_beams(angle_min: float, angle_increment: float, range_min: float, ran
 class LaserScan:
     """One revolution or sweep of a range finder.
 
-    ``ranges`` (n_beams,) float32, metres, REP 117. Beam i points at ``angle_min + i · angle_increment`` radians in
-    the laser frame, counter-clockwise; a negative increment is a clockwise sweep. Ranges outside
-    [``range_min``, ``range_max``] metres are not measurements. ``beam_width`` is 0 for a lidar's thin beams and for a
-    ring of sonars, evenly spread, the angle of their cones, radians. ``time_increment`` is the time between two beams
-    and ``scan_time`` between two scans, seconds, 0 where unknown (sensor_msgs/LaserScan).
+    ``ranges`` (n_beams,) float32, metres, REP 117. Beam i points at ``angle_min + i · angle_increment`` radians in the
+    laser frame, counter-clockwise; a negative increment is a clockwise sweep. Ranges outside [``range_min``,
+    ``range_max``] metres are not measurements. ``beam_width`` is 0 for the thin beams of a lidar, and the angle of the
+    cones, radians, for an evenly spaced ring of sonars. ``time_increment`` is the time between two beams and
+    ``scan_time`` between two scans, seconds, 0 if unknown (sensor_msgs/LaserScan).
     """
 
     ranges: NDArray[np.float32]
@@ -101,17 +101,17 @@ class LaserScan:
         return beam_fields(sign * self.angle_min, sign * self.angle_increment, len(self.ranges), widest)
 
     def turned_over(self) -> LaserScan:
-        """Return the scan as a sensor that hangs upside down took it."""
+        """Return the scan as measured by the sensor mounted upside down."""
         return replace(self, angle_min=-self.angle_min, angle_increment=-self.angle_increment)
 
 
 @dataclass(frozen=True, slots=True)
 class SonarScan:
-    """One reading from each sonar of a robot, at bearings that need not be even.
+    """One reading from each sonar of a robot, at bearings that may be uneven.
 
     ``ranges`` (n_beams,) float32, metres, REP 117; ``bearings`` (n_beams,) float64, radians in the sensor frame,
-    counter-clockwise; ``beam_width`` is the angle of the cone, from edge to edge, in which an echo may arise, radians.
-    Source: sensor_msgs/Range (field_of_view), one message for each sonar.
+    counter-clockwise; ``beam_width`` is the angle of the cone from which an echo may come, edge to edge, radians.
+    Source: sensor_msgs/Range (field_of_view), one message per sonar.
     """
 
     ranges: NDArray[np.float32]
@@ -137,7 +137,7 @@ class SonarScan:
         return uneven_fields(-self.bearings if turned_over else self.bearings, widest)
 
     def turned_over(self) -> SonarScan:
-        """Return the scan as a sensor that hangs upside down took it."""
+        """Return the scan as measured by the sensor mounted upside down."""
         return replace(self, bearings=-self.bearings)
 
 
@@ -145,7 +145,7 @@ RangeScan = LaserScan | SonarScan
 
 
 def checked_bearings(bearings: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return bearings as an array of this shape. Raises :class:`ConfigError` where they are none."""
+    """Return bearings as an array of this shape. Raises :class:`ConfigError` for invalid ones."""
     array = np.ascontiguousarray(bearings, dtype=np.float64)
     if array.shape != shape or len(shape) != 1 or not np.isfinite(array).all():
         raise ConfigError("scan.bearings", f"Bearings must be finite and of shape {shape}, not {array.shape}.")
@@ -161,18 +161,16 @@ def _check_width(width: float) -> None:
 class Trajectory:
     """Pose of the robot's base at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.
 
-    ``description`` is one sentence on where the poses come from. ``frame_id`` is the fixed frame that the poses are
-    stated in, as ``map`` or ``odom`` (None: the log does not state it), and ``child_frame_id`` the frame of the base
-    (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
-    can be mapped; ``placeholder_note`` is the note on the log that says so, and holds no longer once the log has poses.
-    ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
-    where it states them by itself, as tf and odometry messages do; between them the motion during a scan is known
-    better than between the poses at the scans. ``offset`` (x, y), metres, has been subtracted from what the source
-    states, of projected coordinates: a position in ``frame_id`` is a map's plus the offset. ``from_scans`` marks poses
-    that were found from the scans, as by SLAM: they are at the times at which the scans were taken, whatever the clocks
-    of scans and odometry are apart, so that a time offset between the two does not concern them. ``is_known``
-    (n_scans,) is False where the pose is not known, as before a robot is found in a map: no map has such scans. None:
-    all are known.
+    ``description`` is one sentence on the source of the poses. ``frame_id`` is the fixed frame of the poses, such as
+    ``map`` or ``odom`` (None: not stated by the log), and ``child_frame_id`` the frame of the base (REP 105).
+    ``is_placeholder`` marks poses without a source: zeros, so that a log without poses can be mapped;
+    ``placeholder_note`` is the corresponding note, which is removed once the log has poses. ``timed`` are the poses
+    with their own stamps on the scans' clock, from sources that publish them separately, such as tf and odometry
+    messages; they describe the motion during a scan better than the poses at the scans. ``offset`` (x, y), metres, has
+    been subtracted from projected coordinates: a position in ``frame_id`` is the map's plus the offset. ``from_scans``
+    marks poses estimated from the scans, as by SLAM: they belong to the times of the scans, so a time offset between
+    the clocks of scans and odometry does not apply to them. ``is_known`` (n_scans,) is False if the pose is unknown,
+    for example before a robot is localised; such scans are not mapped. None: all are known.
     """
 
     poses: NDArray[np.float64]
@@ -196,7 +194,7 @@ class Trajectory:
 
     @property
     def known_poses(self) -> NDArray[np.float64]:
-        """The poses (n_scans, 3), NaN where they are not known."""
+        """The poses (n_scans, 3), NaN if unknown."""
         return self.poses if self.is_known is None else np.where(self.is_known[:, np.newaxis], self.poses, np.nan)
 
     def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> Trajectory:
@@ -205,9 +203,9 @@ class Trajectory:
         return replace(self, poses=self.poses[scans], is_known=known)
 
     def offset_of_stamps(self, time_offset: float) -> float:
-        """Return the seconds that are added to the scans' stamps to find their poses: ``time_offset``, or 0.
+        """Return the seconds added to the scans' stamps to look up their poses: ``time_offset``, or 0.
 
-        It is 0 for poses that were found from the scans.
+        It is 0 for poses estimated from the scans.
         """
         return 0.0 if self.from_scans else time_offset
 
@@ -215,9 +213,9 @@ class Trajectory:
 def georeferenced(
     poses: NDArray[np.float64], whose: str, description: str, limits: Limits
 ) -> tuple[Trajectory, list[str]]:
-    """Return the trajectory of ``poses`` (n, 3), which may be far from the origin of their frame, and notes on that.
+    """Return the trajectory of ``poses`` (n, 3), which may be far from the origin of their frame, with notes on it.
 
-    Raises :class:`ConfigError` where they are farther than ``max_pose`` from each other.
+    Raises :class:`ConfigError` if they are farther than ``max_pose`` from each other.
     """
     offset = offset_of(poses)
     near = poses - np.array([*offset, 0.0])
@@ -228,11 +226,11 @@ def georeferenced(
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """One stream of messages in the file that a log was read from.
+    """One stream of messages in the file of a log.
 
-    ``frame`` to ``mount`` are those of a range sensor, None of anything else: ``frame`` is the one that its scans are
-    stated in, ``mount`` ``T_base_frame`` (m, m, rad) where the file says it; ``chosen`` marks the sensor whose scans
-    the log holds. When its messages were recorded and how large they are, :mod:`mapper.io.contents` finds out.
+    ``frame`` to ``mount`` apply to range sensors and are None for others: ``frame`` is the frame of its scans,
+    ``mount`` is ``T_base_frame`` (m, m, rad) if the file states it; ``chosen`` marks the sensor whose scans the log
+    contains. :mod:`mapper.io.contents` determines the times and sizes of its messages.
     """
 
     name: str
@@ -248,25 +246,26 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class ScanLog:
-    """A whole log of one sensor, packed once, so that it can be mapped again and again in milliseconds.
+    """A log of one sensor, packed into arrays once so that it can be mapped repeatedly in milliseconds.
 
     ``ranges`` (n_scans, n_beams) float32; ``stamps_ns`` (n_scans,) int64, as recorded (they may jump backwards);
-    ``trajectories`` name → :class:`Trajectory`, the first being the default; ``mount`` (3,) is ``T_base_laser``, of a
-    sensor that moves on the robot at its first scan, and ``mounts`` (n_scans, 3) float64 at each (None: it is fixed);
-    ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
-    A log of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, where theirs are not even (``angle_min``
-    and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
-    ``topic`` is the sensor's name in its file, empty for formats of one stream, and ``frame_id`` its frame.
-    ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
-    where the file does not state them; where scans state different ones, the median. ``angles_assumed`` says that the
-    file states no angles, and that they are a guess: its beams are as many as those of no lidar that is known;
-    ``mount_assumed`` that a recording does not state where the sensor is on the robot. ``wrong_sweep`` is a sentence on
-    the stated times between beams, where they cannot be, or the readings contradict them: the log is as they say.
-    ``wrong_clock`` is one on a source of poses whose stamps the readings contradict: the log has its poses by the
-    scans' clock.
-    ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
-    ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by
-    them scans of several sensors follow one another, and those of one sensor with different beams.
+    ``trajectories`` name → :class:`Trajectory`, the first being the default. ``mount`` (3,) is ``T_base_laser``, for a
+    sensor that moves on the robot that at the first scan, and ``mounts`` (n_scans, 3) float64 at each scan (None: it is
+    fixed). ``upside_down`` means that the laser's z axis points down, so its beams run clockwise seen from above. A log
+    of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, if they are uneven (``angle_min`` and
+    ``angle_increment`` are then unused), and a ``beam_width``, the angle of their cones; it is 0 for a lidar. ``topic``
+    is the sensor's name in its file, empty for formats with one stream, and ``frame_id`` its frame.
+
+    ``time_increment`` is the time between beams and ``scan_time`` between scans, seconds, 0 if the file does not state
+    them; if they vary, the median. ``angles_assumed`` means that the file states no angles and they are a guess,
+    because no known lidar has this number of beams; ``mount_assumed`` that a recording does not state the sensor's
+    mount. ``wrong_sweep`` is a sentence on impossible times between beams, or ones that the readings contradict; the
+    log keeps them. ``wrong_clock`` is a sentence on a source of poses whose stamps the readings contradict; the log has
+    its poses by the scans' clock.
+
+    ``odometry`` has the recorded odometry, if any: its messages and the scans' positions among them. ``order_ns``
+    (n_scans,) int64 are ascending times for logs whose stamps do not ascend (otherwise None). They order the scans of
+    several sensors, and those of one sensor with different beams.
     """
 
     ranges: NDArray[np.float32]
@@ -283,11 +282,11 @@ class ScanLog:
     name: str = ""
     format: str = ""
     topic: str = ""
-    topics: tuple[Topic, ...] = ()  #: all that the file holds, the sensors first; empty for formats of one stream
+    topics: tuple[Topic, ...] = ()  #: all streams of the file, the sensors first; empty for formats with one stream
     frame_id: str = "laser"
     time_increment: float = 0.0
     scan_time: float = 0.0
-    notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
+    notes: tuple[str, ...] = ()  #: the reader's remarks, one sentence each: skipped lines, jumps in time
     odometry: OdometryRecords | None = None
     mounts: NDArray[np.float64] | None = None
     order_ns: NDArray[np.int64] | None = None
@@ -356,12 +355,12 @@ class ScanLog:
 
     @property
     def n_beams(self) -> int:
-        """Beams in each scan."""
+        """Number of beams in each scan."""
         return int(self.ranges.shape[1])
 
     @property
     def sweep(self) -> tuple[float, float]:
-        """Bearing of the first beam and from one beam to the next, radians, counter-clockwise seen from above."""
+        """Bearing of the first beam and step between beams, radians, counter-clockwise seen from above."""
         return (-self.angle_min, -self.angle_increment) if self.upside_down else (self.angle_min, self.angle_increment)
 
     @property
@@ -373,9 +372,9 @@ class ScanLog:
         return np.asarray(angle_min + angle_increment * np.arange(self.n_beams), dtype=np.float64)
 
     def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
-        """Return the perceptual fields of the beams (n_beams, 4), as :func:`beam_fields`, seen from above.
+        """Return the perceptual fields of the beams (n_beams, 4), like :func:`beam_fields`, seen from above.
 
-        With ``turned_over``, those of the sensor mounted the other way up.
+        With ``turned_over``, those of the sensor flipped upside down.
         """
         if self.bearings is not None:
             return uneven_fields(-self.angles if turned_over else self.angles, widest)
@@ -385,7 +384,7 @@ class ScanLog:
 
     @property
     def default_trajectory(self) -> str:
-        """Name of the trajectory that is used where none is named."""
+        """Name of the default trajectory."""
         return next(iter(self.trajectories))
 
     def trajectory(self, name: str | None = None) -> Trajectory:
@@ -399,9 +398,9 @@ class ScanLog:
         return self.trajectories[key]
 
     def can_deskew(self, trajectory: str | None = None) -> bool:
-        """Return whether the beams of a scan were measured at times that are known, while the robot's poses are.
+        """Return whether the beams of a scan were measured at known times, and the robot's poses are known.
 
-        Of several sensors, whether those of any were.
+        For several sensors, whether this holds for any of them.
         """
         stated = 0.0 < abs(self.time_increment) <= MAX_STATED_S
         if not stated or self.n_beams < 2 or self.trajectory(trajectory).is_placeholder:
@@ -413,7 +412,7 @@ class ScanLog:
         return compose(self.trajectory(trajectory).poses, self.mounts_at(slice(None)))
 
     def mounts_at(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice | int) -> NDArray[np.float64]:
-        """Return ``T_base_laser`` at some scans: (n, 3) of a sensor that moves on the robot, else (3,) for all."""
+        """Return ``T_base_laser`` at some scans: (n, 3) for a sensor that moves on the robot, else (3,) for all."""
         return np.array(self.mount) if self.mounts is None else self.mounts[scans]
 
     def mount_of(self, index: int) -> NDArray[np.float64]:
@@ -433,7 +432,7 @@ class ScanLog:
         )
 
     def scan(self, index: int) -> RangeScan:
-        """Return scan ``index``, negative from the end; bearings as seen from above, also of an upside-down laser."""
+        """Return scan ``index``, negative from the end; bearings are seen from above, also for an upside-down laser."""
         if self.bearings is not None:
             limits = (self.range_min, self.range_max, int(self.stamps_ns[index]))
             return SonarScan(self.ranges[index], self.angles, self.beam_width, *limits)

@@ -1,4 +1,4 @@
-"""Scans while the robot turns between two poses that are far apart in time: their own poses are interpolated."""
+"""Detection of scans taken while the robot turns between two temporally distant poses, whose poses are interpolated."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import number_before
 
-APART_S = 0.3  #: between two poses: robots turn otherwise meanwhile than at one speed
-TURN_RAD = np.radians(15.0)  #: from one to the next
+APART_S = 0.3  #: between two poses: longer intervals are not turned at constant speed
+TURN_RAD = np.radians(15.0)  #: between two poses
 LEAST_SCANS = 3
-AT_POSE = 0.02  #: of the time between two poses: a scan so near one of them has its place
-SAME_M, SAME_RAD = 1e-3, 1e-3  #: an interpolated pose, not one that goes another source's way
+AT_POSE = 0.02  #: fraction of the time between two poses within which a scan has the pose's position
+SAME_M, SAME_RAD = 1e-3, 1e-3  #: tolerance for an interpolated pose, as opposed to one from another source
 
 
 @dataclass(frozen=True, slots=True)
 class SparseTurns:
-    """The ``scans`` (n,) between poses that are ``interval`` s apart, and by up to ``turn`` radians turned."""
+    """The ``scans`` (n,) between poses ``interval`` seconds apart that differ by up to ``turn`` radians."""
 
     trajectory: str
     scans: Int64Array
@@ -30,7 +30,7 @@ class SparseTurns:
 
     @property
     def sentence(self) -> str:
-        """What is said of it, without advice."""
+        """The description, without advice."""
         return (
             f"The poses of {self.trajectory} are {self.interval:.2g} s apart, and the robot turns by up to "
             f"{np.degrees(self.turn):.0f}° from one to the next: between such poses those of {len(self.scans)} scans "
@@ -42,10 +42,10 @@ ADVICE = "Record transforms or odometry at 10 Hz or more."
 
 
 def sparse_turns(log: ScanLog, trajectory: str | None = None) -> SparseTurns | None:
-    """Return the scans of a log of one sensor that lie in turns between sparse poses; None where there are hardly any.
+    """Return the scans of a one-sensor log that lie in turns between sparse poses; None if there are hardly any.
 
-    ``trajectory`` is a trajectory's name (None: the log's default). Only a trajectory whose source states its poses
-    with stamps of their own is asked.
+    ``trajectory`` is a trajectory's name (None: the log's default). Only trajectories with their own stamps are
+    examined.
     """
     name = trajectory or log.default_trajectory
     way = log.trajectory(name)

@@ -1,4 +1,4 @@
-"""Point clouds and IMUs of a recording, read on request."""
+"""Point clouds and IMU samples of a recording, read on request."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.sensors.point_cloud import PointCloud
 
-#: Returns ``T_base_frame``, or ``T_fixed_frame``, (n, 4, 4) of a frame at n stamps, ns; None where the recording does
-#: not say it.
+#: Returns ``T_base_frame`` or ``T_fixed_frame``, (n, 4, 4), of a frame at n stamps, ns; None if unknown.
 Mounts = Callable[[str, Int64Array], Float64Array | None]
 
 
 @dataclass(frozen=True, slots=True)
 class CloudStream:
-    """The point clouds of one topic; ``count`` is how many messages there are.
+    """The point clouds of one topic; ``count`` is the number of messages.
 
-    Nothing is held: each iteration reads the recording from its beginning and has a few clouds in memory at a time.
-    Messages that are no clouds are left out. ``mounts`` says where a cloud's frame was on the robot, and ``poses``
-    where it was in the recording's fixed frame, NaN at times that it does not say. Iterating raises
-    :class:`ReadError` and :class:`LimitError` as opening the recording does.
+    Nothing is cached: each iteration reads the recording from the start and holds a few clouds in memory at a time.
+    Messages that are not clouds are skipped. ``mounts`` returns the pose of a cloud's frame on the robot, and ``poses``
+    in the recording's fixed frame, NaN at unknown times. Iterating raises :class:`ReadError` and :class:`LimitError`
+    like opening the recording.
     """
 
     topic: str
@@ -35,7 +34,7 @@ class CloudStream:
         return self.read()
 
     def stamps_ns(self) -> Int64Array:
-        """Return the stamps (n,) of all clouds, in the order of the recording; it is read for it."""
+        """Return the stamps (n,) of all clouds in recording order; this reads the recording."""
         return np.array([cloud.stamp_ns for cloud in self], dtype=np.int64)
 
 
@@ -44,7 +43,7 @@ class ImuSamples:
     """Some messages of an IMU in the frame ``frame_id``: ``stamps_ns`` (n,) int64.
 
     ``angular_velocity`` (n, 3) rad/s, ``linear_acceleration`` (n, 3) m/s², and ``orientation`` (n, 4) the unit
-    quaternion x y z w, NaN where none is stated. Source: sensor_msgs/Imu.
+    quaternion x y z w, NaN if not stated. Source: sensor_msgs/Imu.
     """
 
     frame_id: str
@@ -59,7 +58,7 @@ class ImuSamples:
 
 @dataclass(frozen=True, slots=True)
 class ImuStream:
-    """The messages of one IMU; as of a :class:`CloudStream`, nothing is held. Iterating yields them part by part."""
+    """The messages of one IMU, not cached, like a :class:`CloudStream`. Iterating yields them in parts."""
 
     topic: str
     count: int

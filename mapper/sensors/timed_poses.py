@@ -1,4 +1,4 @@
-"""Poses with stamps that are no log's scans: a trajectory from another program, the odometry messages of a log."""
+"""Poses with their own stamps: a trajectory from another program, or the odometry messages of a log."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Times = NDArray[np.int64] | NDArray[np.float64]
 
 
 def poses_at(times: Times, poses: NDArray[np.float64], at: Times) -> NDArray[np.float64]:
-    """Return the poses (..., 3) at the times ``at`` (...), from n ≥ 1 ``poses`` (n, 3) at ``times`` (n,).
+    """Interpolate n ≥ 1 ``poses`` (n, 3) at ``times`` (n,) to the times ``at`` (...); return (..., 3).
 
-    The times are ascending, and of one unit with those wanted. Linear in position, the short way round in angle.
-    Nothing is extrapolated: before the first and after the last pose it is that pose.
+    The times ascend, and both use one unit. Positions are interpolated linearly, angles along the shorter arc. There is
+    no extrapolation: before the first and after the last pose it is that pose.
     """
     return poses_between(times, poses, number_before(times, at), at)
 
@@ -29,7 +29,7 @@ def number_before(times: Times, at: Times) -> NDArray[np.int64]:
 
 
 def poses_between(times: Times, poses: NDArray[np.float64], low: NDArray[np.int64], at: Times) -> NDArray[np.float64]:
-    """Return the poses (..., 3) at ``at``, between the poses number ``low`` and the next; the two broadcast."""
+    """Interpolate (..., 3) at ``at`` between the poses with index ``low`` and the next ones; the two broadcast."""
     high = np.minimum(low + 1, len(times) - 1)
     start, span = times[low], times[high] - times[low]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -39,12 +39,11 @@ def poses_between(times: Times, poses: NDArray[np.float64], low: NDArray[np.int6
 
 @dataclass(frozen=True, slots=True)
 class TimedPoses:
-    """Poses of one body in one fixed frame, in the order of the file that they come from.
+    """Poses of one body in one fixed frame, in the order of their file.
 
-    ``stamps_ns`` (n,) int64, as recorded (they may jump backwards); ``poses`` (n, 3) float64, ``T_frame_child``,
-    metres and radians, less an ``offset`` (x, y) where they are georeferenced; ``notes`` one sentence each on what the
-    reader noticed. Raises :class:`ConfigError` for arrays
-    of other shapes and for poses that are not finite.
+    ``stamps_ns`` (n,) int64, as recorded (they may jump backwards); ``poses`` (n, 3) float64, ``T_frame_child``, metres
+    and radians, minus an ``offset`` (x, y) if georeferenced; ``notes`` are the reader's remarks, one sentence each.
+    Raises :class:`ConfigError` for arrays of other shapes and for poses that are not finite.
     """
 
     stamps_ns: NDArray[np.int64]
@@ -67,15 +66,15 @@ class TimedPoses:
         return TimedPoses(self.stamps_ns[indices], self.poses[indices], self.notes, self.offset)
 
     def covers(self, stamps_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return which of the times (n,) lie between the earliest and the latest stamp, both included."""
+        """Return which of the times (n,) are between the earliest and the latest stamp, inclusive."""
         if not len(self):
             return np.zeros(len(stamps_ns), dtype=np.bool_)
         return np.asarray((stamps_ns >= self.stamps_ns.min()) & (stamps_ns <= self.stamps_ns.max()))
 
     def at(self, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the poses (n, 3) at the times (n,), ns, as :func:`poses_at`.
+        """Return the poses (n, 3) at the times (n,), ns, like :func:`poses_at`.
 
-        Raises :class:`ConfigError` where there is no pose.
+        Raises :class:`ConfigError` if there are no poses.
         """
         if not len(self):
             raise ConfigError("poses.empty", "There are no poses to interpolate.")
@@ -91,12 +90,12 @@ class TimedPoses:
 
 @dataclass(frozen=True, slots=True)
 class OdometryRecords:
-    """The odometry messages of a log in the order of its records, and where the scans stand among them.
+    """The odometry messages of a log in record order, and the positions of the scans among them.
 
     ``messages`` are the n messages; ``before_scan`` (n_scans,) int64 is the index of the last message before each scan,
-    −1 where there is none. ``at_scans`` (n_scans, 3) float64 is the odometry's pose at each scan, ``T_odom_base``: what
-    a scan's own record states, in logs whose scans do (CARMEN), so that no stamp is needed; else between the messages
-    around the scan's stamp. None where it is not known. Raises :class:`ConfigError` for an index of no message.
+    −1 if there is none. ``at_scans`` (n_scans, 3) float64 is the odometry pose at each scan, ``T_odom_base``: from the
+    scan's own record in logs that have it (CARMEN), otherwise interpolated at the scan's stamp. None if unknown. Raises
+    :class:`ConfigError` for an index without a message.
     """
 
     messages: TimedPoses
@@ -113,6 +112,6 @@ class OdometryRecords:
             check_poses(self.at_scans, (len(self.before_scan), 3))
 
     def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> OdometryRecords:
-        """Return all messages beside some of the scans."""
+        """Return all messages, with some of the scans."""
         at_scans = None if self.at_scans is None else self.at_scans[scans]
         return OdometryRecords(self.messages, self.before_scan[scans], at_scans)

@@ -1,4 +1,4 @@
-"""The simulator: worlds, lidar, and a robot that drives by itself."""
+"""Simulator: worlds, sensors, and a robot that explores autonomously."""
 
 from typing import TYPE_CHECKING
 

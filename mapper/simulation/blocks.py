@@ -1,4 +1,4 @@
-"""Solids with heights: a convex outline, a flat bottom and a plane on top, level or tilted."""
+"""Solids with heights: a convex outline, a flat bottom and a planar top, level or tilted."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from mapper.core.errors import ConfigError
 from mapper.simulation.shapes import Point, Polygon, box, rect
 
-CONVEX = 1e-9  #: of the cross product of two edges: corners on a straight line are allowed
+CONVEX = 1e-9  #: tolerance of the cross product of two edges: collinear corners are allowed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """A solid over ``outline`` (n, 2), n ≥ 3, convex and counter-clockwise, metres in the map frame.
 
-    It is between z = ``bottom`` and the plane z = a + b·x + c·y of ``top`` (a, b, c), which lies above the bottom at
+    It extends from z = ``bottom`` to the plane z = a + b·x + c·y of ``top`` (a, b, c), which is above the bottom at
     every corner. Raises :class:`ConfigError` for another outline or top.
     """
 
@@ -48,9 +48,9 @@ class Block:
         return np.asarray(a + self.outline @ (b, c))
 
     def section(self, height: float) -> Polygon | None:
-        """Return the outline (m, 2) of the part of the block at a height in metres, None where there is none.
+        """Return the outline (m, 2) of the cross-section of the block at a height in metres, None if there is none.
 
-        Source: the half plane in which the top is at least so high, by the clipping of Sutherland & Hodgman 1974.
+        Source: clipping to the half plane in which the top is at least this high, Sutherland & Hodgman 1974.
         """
         above = self.heights - height
         if height < self.bottom or not (above > 0.0).any():
@@ -72,13 +72,13 @@ def slab(outline: Polygon, bottom: float, top: float) -> Block:
 
 
 def ramp(x0: float, y0: float, x1: float, y1: float, top: float) -> Block:
-    """Return a ramp over a rectangle, which rises from 0 at x = ``x0`` to ``top`` at ``x1``, before or after it."""
+    """Return a ramp over a rectangle, rising from 0 at x = ``x0`` to ``top`` at ``x1``, in either direction."""
     rise = top / (x1 - x0)
     return Block(rect(min(x0, x1), y0, max(x0, x1), y1), 0.0, (-rise * x0, rise, 0.0))
 
 
 def stairs(x0: float, y0: float, x1: float, y1: float, top: float, steps: int) -> list[Block]:
-    """Return steps over a rectangle, which rise from x = ``x0`` to ``top`` at ``x1``, before or after it."""
+    """Return steps over a rectangle, rising from x = ``x0`` to ``top`` at ``x1``, in either direction."""
     depth = (x1 - x0) / steps
     return [
         slab(rect(*sorted_x(x0 + k * depth, x1, y0, y1)), k * top / steps, (k + 1) * top / steps) for k in range(steps)
@@ -91,14 +91,16 @@ def sorted_x(a: float, b: float, y0: float, y1: float) -> tuple[float, float, fl
 
 
 def table_top(x: float, y: float, width: float, depth: float, yaw: float, top: float, thickness: float = 0.04) -> Block:
-    """Return the board of a table centred on (x, y), whose upper side is ``top`` metres high."""
+    """Return a table top centred on (x, y), with its upper side at ``top`` metres."""
     return slab(box(x, y, width, depth, yaw), top - thickness, top)
 
 
 def lintels(
     a: Point, b: Point, thickness: float, doors: Sequence[tuple[float, float]], low: float = 2.0, high: float = 2.2
 ) -> list[Block]:
-    """Return the pieces of a wall above its doors: arguments as :func:`mapper.simulation.shapes.wall`, and heights."""
+    """Return the pieces of a wall above its doors; arguments as in :func:`mapper.simulation.shapes.wall`, plus
+    heights.
+    """
     (ax, ay), (bx, by) = a, b
     length, yaw = float(np.hypot(bx - ax, by - ay)), float(np.arctan2(by - ay, bx - ax))
     along = np.array([(bx - ax) / length, (by - ay) / length])

@@ -1,4 +1,4 @@
-"""Edits of a world: walls and boxes drawn, solids erased. The world itself is not changed."""
+"""Edits of a world: added walls and boxes, erased solids. The world itself is not modified."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from mapper.simulation.shapes import Polygon, rect, wall
 from mapper.simulation.worlds import World
 
 WALL_THICKNESS = 0.12  #: metres
-LEAST_SIDE = 0.05  #: metres: a beam might miss anything thinner
+LEAST_SIDE = 0.05  #: metres: beams might miss anything thinner
 
 Kind = Literal["wall", "box"]
 
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A wall from (x0, y0) to (x1, y1), or the upright box between these corners; whole centimetres, map frame.
+    """A wall from (x0, y0) to (x1, y1), or the axis-aligned box between these corners; whole centimetres, map frame.
 
-    Raises :class:`ConfigError` for one that is too small or is no shape.
+    Raises :class:`ConfigError` for a shape that is too small or degenerate.
     """
 
     kind: Kind
@@ -61,10 +61,7 @@ class Edits:
 
     @classmethod
     def of(cls, added: object, erased: object) -> Edits:
-        """Return the edits that plain lists describe: ``[kind, x0, y0, x1, y1]`` each, and indices.
-
-        Raises :class:`ConfigError` for anything else.
-        """
+        """Return the edits described by plain lists: ``[kind, x0, y0, x1, y1]`` each, and indices."""
         if not isinstance(added, list) or not all(isinstance(row, list | tuple) and len(row) == 5 for row in added):
             raise ConfigError("edit.added", "The added solids must be a list of [kind, x0, y0, x1, y1].")
         if not isinstance(erased, list) or not all(isinstance(i, int) and not isinstance(i, bool) for i in erased):
@@ -72,15 +69,15 @@ class Edits:
         return cls(tuple(Drawn(cast("Kind", kind), *corners) for kind, *corners in added), frozenset(erased))
 
     def as_lists(self) -> tuple[list[list[str | int]], list[int]]:
-        """Return what :meth:`of` takes."""
+        """Return the arguments of :meth:`of`."""
         return [[d.kind, d.x0, d.y0, d.x1, d.y1] for d in self.added], sorted(self.erased)
 
 
 def edited(world: World, edits: Edits, limits: Limits = DEFAULT_LIMITS) -> World:
-    """Return ``world`` without what was erased and with what was added, in that order.
+    """Return ``world`` with the erased solids removed and then the added ones appended.
 
-    Raises :class:`LimitError` for too many edits and :class:`ConfigError` for a shape that leaves the world's bounds,
-    a solid that there is not, and a piece of the outer wall, without which the robot would drive out of the world.
+    Raises :class:`LimitError` for too many edits and :class:`ConfigError` for a shape that exceeds the world's bounds,
+    an unknown solid, and a piece of the outer wall, which keeps the robot inside the world.
     """
     if len(edits.added) > limits.max_added_solids:
         raise LimitError("edit.many", f"At most {limits.max_added_solids} walls and boxes can be drawn into a world.")
@@ -102,7 +99,9 @@ def edited(world: World, edits: Edits, limits: Limits = DEFAULT_LIMITS) -> World
 
 
 def solid_ids(world: World, edits: Edits) -> list[int]:
-    """Return an id for each solid of ``edited(world, edits)``: its index in ``world``, −1 − its place in ``added``."""
+    """Return an id for each solid of ``edited(world, edits)``: its index in ``world``, or −1 − its index in
+    ``added``.
+    """
     ids = [i for i in range(len(world.solids)) if i not in edits.erased]
     return ids + [-1 - i for i in range(len(edits.added))]
 
@@ -115,7 +114,7 @@ def is_outer(world: World, solid: Polygon) -> bool:
 
 @lru_cache(maxsize=16)
 def _outer_solids(world: World) -> frozenset[int]:
-    """Return the indices of the solids that are pieces of the outer wall; computed once for each world."""
+    """Return the indices of the solids of the outer wall, computed once per world."""
     return frozenset(i for i, solid in enumerate(world.solids) if is_outer(world, solid))
 
 

@@ -1,7 +1,7 @@
-"""The explorer: chooses where the robot drives next, and the path there.
+"""Explorer: chooses the robot's goals and plans the paths to them.
 
-Goals are places that the robot has not been near for the longest time; the path there keeps to the middle of free
-space where it can. :mod:`mapper.simulation.kernels.driving` follows it.
+Goals are places that the robot has not been near for the longest time; paths prefer the middle of free space.
+:mod:`mapper.simulation.kernels.driving` follows them.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import World, clearance_lattice
 
 VISITED_RADIUS = 1.1  # metres around the robot that count as visited
-COMFORT = 0.55  # metres of clearance beyond which a path gains nothing
-GOAL_CLEARANCE = 0.15  # metres beyond the radius that a goal needs
+COMFORT = 0.55  # metres of clearance beyond which a path has no further benefit
+GOAL_CLEARANCE = 0.15  # required clearance of a goal in metres beyond the radius
 GOALS_TRIED = 48
-ENTRIES_TRIED = 32  # cells from which a path may begin
-EASY_CLEARANCE = 0.15  # metres beyond the radius to which a relaxed path may come nearer to a wall than before
+ENTRIES_TRIED = 32  # cells considered as the start of a path
+EASY_CLEARANCE = 0.15  # minimum clearance of a relaxed path in metres beyond the radius
 RELAXATIONS = 40  # rounds
-SPACING = 0.1  # metres between the points of a path, which the lookahead counts
+SPACING = 0.1  # metres between the points of a path, counted by the lookahead
 
 
 @lru_cache(maxsize=16)
 def _centres_of(lattice: GridGeometry) -> Float64Array:
-    """Return the centres (rows, cols, 2) of the cells of a lattice, metres, which all robots in one world share."""
+    """Return the centres (rows, cols, 2) of the cells of a lattice, metres, shared by all robots in one world."""
     centres = lattice.cell_to_world(np.stack(np.meshgrid(*map(np.arange, lattice.shape), indexing="ij"), axis=-1))
     centres.setflags(write=False)
     return centres
@@ -42,10 +42,10 @@ def _centres_of(lattice: GridGeometry) -> Float64Array:
 
 @dataclass(frozen=True, slots=True)
 class _Passable:
-    """Cells of a world where a robot can drive; shared by all robots of one radius.
+    """Cells of a world in which a robot can drive; shared by all robots of one radius.
 
     ``cells`` (n, 2) are the cells that a path may pass, ``centres`` (n, 2) their centres, metres; ``cost`` (rows, cols)
-    is that of a metre, +inf where nothing passes; ``goals`` (m,) are the cells, row · cols + col, where a goal may be.
+    is the cost per metre, +inf if impassable; ``goals`` (m,) are the possible goal cells, row · cols + col.
     """
 
     cells: NDArray[np.int64]
@@ -56,7 +56,7 @@ class _Passable:
 
 @lru_cache(maxsize=16)
 def _passable(world: World, radius: float) -> _Passable:
-    """Return where a robot of ``radius`` metres can drive."""
+    """Return the cells in which a robot of ``radius`` metres can drive."""
     lattice = clearance_lattice(world)
     clearance = lattice.clearance
     passes = clearance >= radius + MARGIN
@@ -74,34 +74,34 @@ def _passable(world: World, radius: float) -> _Passable:
 class Explorer:
     """Plans the paths of one robot in one world. ``rng`` chooses between goals.
 
-    ``visited`` (rows, cols) is the time in seconds at which each cell of the world's lattice was last near the robot.
+    ``visited`` (rows, cols) is the time in seconds at which the robot was last near each cell of the world's lattice.
     """
 
     world: World
     rng: np.random.Generator
     visited: Float64Array = field(init=False)
-    path: Float64Array = field(init=False)  #: (n, 2), metres, the rest of the path; empty before the first goal
-    #: The place (m, m) and the time (s) of the last progress of the robot.
+    path: Float64Array = field(init=False)  #: (n, 2), metres, the remaining path; empty before the first goal
+    #: Position (m, m) and time (s) of the robot's last progress.
     progress: tuple[float, float, float] = field(init=False, default=(0.0, 0.0, 0.0))
     _centres: Float64Array = field(init=False)
 
     def __post_init__(self) -> None:
         lattice = clearance_lattice(self.world)
-        self.visited = np.full(lattice.clearance.shape, -300.0)  # never: as good as five minutes before the start
+        self.visited = np.full(lattice.clearance.shape, -300.0)  # never visited counts as five minutes before the start
         self.path = np.empty((0, 2))
         self._centres = _centres_of(lattice.geometry)
 
     def enter(self, world: World) -> None:
-        """Go on in an altered world of the same bounds: what was visited stays visited, the goal is dropped."""
+        """Continue in a modified world with the same bounds: visits are kept, the goal is dropped."""
         self.world = world
         self.forget_path()
 
     def forget_path(self) -> None:
-        """Drop the goal: the robot was moved, or steered by hand."""
+        """Drop the goal, because the robot was moved or steered manually."""
         self.path = np.empty((0, 2))
 
     def note(self, pose: PoseTuple, time: float) -> None:
-        """Remember that the robot is at ``pose`` at ``time`` seconds."""
+        """Record that the robot is at ``pose`` at ``time`` seconds."""
         x0, y0 = self.world.bounds[:2]
         step = clearance_lattice(self.world).geometry.resolution
         reach = int(VISITED_RADIUS / step)
@@ -111,12 +111,12 @@ class Explorer:
         self.visited[rows, cols][near] = time
 
     def plan(self, robot: Robot, time: float) -> None:
-        """Choose a goal and the path to it, which is empty where there is none."""
+        """Choose a goal and the path to it, which is empty if there is none."""
         self.path = self._plan(robot, time)
         self.progress = (*robot.pose[:2], time)
 
     def _plan(self, robot: Robot, time: float) -> Float64Array:
-        """Return a path (n, 2), metres, to the goal with the greatest gain less cost; empty where there is none."""
+        """Return a path (n, 2), metres, to the goal with the maximum gain minus cost; empty if there is none."""
         passable = _passable(self.world, robot.radius)
         cost = passable.cost
         row, col = self._entry(robot, passable)
@@ -128,7 +128,7 @@ class Explorer:
             return np.empty((0, 2))
         chosen = candidates[self.rng.integers(len(candidates), size=GOALS_TRIED)]
         rows, cols = divmod(passable.goals[chosen], cost.shape[1])
-        # Seconds since the last visit, less twice the seconds that it costs to go there.
+        # Seconds since the last visit, minus twice the seconds needed to go there.
         worth = (time - self.visited[rows, cols]) - 2.0 * metres[chosen] / CAREFUL
         goal = int(np.argmax(worth))
         return self._smoothed(self._cells_to(int(rows[goal]), int(cols[goal]), parent), robot)
@@ -152,7 +152,7 @@ class Explorer:
         return row, col
 
     def _cell_at(self, passable: _Passable, x: float, y: float) -> tuple[int, int] | None:
-        """Return the passable cell nearest to (x, y), where the one that holds (x, y) is passable; else None."""
+        """Return the passable cell nearest to (x, y) if the cell that contains (x, y) is passable, else None."""
         (x0, y0), (rows, cols) = self.world.bounds[:2], passable.cost.shape
         step = clearance_lattice(self.world).geometry.resolution
         row, col = int((y - y0) / step), int((x - x0) / step)
@@ -165,7 +165,7 @@ class Explorer:
         return first_row + nearest // gaps.shape[1], first_col + nearest % gaps.shape[1]
 
     def _can_enter(self, place: Sequence[float], robot: Robot) -> bool:
-        """Return whether the robot can drive straight to a place (2,), metres."""
+        """Return whether the robot can drive straight to a position (2,), metres."""
         (x, y, _), (to_x, to_y) = robot.pose, place
         return chord_clearance(self.world.segments, x, y, to_x, to_y) >= robot.radius
 
@@ -180,10 +180,12 @@ class Explorer:
         return np.asarray(self._centres[rows, columns], dtype=np.float64)
 
     def _smoothed(self, path: Float64Array, robot: Robot) -> Float64Array:
-        """Return the path with its corners relaxed, never nearer to a wall than it was or than the margin asks."""
+        """Return the path with relaxed corners, without reducing its clearance below the margin or its initial
+        value.
+        """
         path = path.copy()
         relax(self.world.segments, self.world.bounds, path, robot.radius + EASY_CLEARANCE, RELAXATIONS)
-        # Points at even distances: the lookahead counts them.
+        # Evenly spaced points, because the lookahead counts them.
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
         even = np.linspace(0.0, along[-1], max(2, round(along[-1] / SPACING) + 1))
         return np.stack([np.interp(even, along, path[:, axis]) for axis in (0, 1)], axis=-1)

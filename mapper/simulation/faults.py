@@ -1,7 +1,7 @@
 """Faults of a robot: odometry drift, and specular reflection on polished walls.
 
-Both are recorded all the time, together with the true values, and selected when the map is made: so a fault can be
-switched on and off for a whole recording, and maps of the same readings with and without it can be compared.
+Both are always recorded along with the true values, and selected when the map is made. So a fault can be switched on
+and off for a whole recording, and maps of the same readings with and without it can be compared.
 """
 
 from __future__ import annotations
@@ -22,21 +22,20 @@ from mapper.simulation.lidar import SensorConfig, pose_of, ranges_in_cones, rays
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import World
 
-SPECULAR_ANGLE = math.radians(30.0)  #: a beam that meets a polished wall farther than this off its normal is lost
+SPECULAR_ANGLE = math.radians(30.0)  #: a beam that hits a polished wall farther than this off its normal is lost
 POLISHED_LENGTH = 2.5  #: metres: straight faces at least this long are polished
-ON_WALL = 1e-6  # metres by which the end of a beam may miss the face that ended it
+ON_WALL = 1e-6  # metres: tolerance of the distance between a beam's end and the face that ended it
 _MOST_SINE = math.sin(SPECULAR_ANGLE)
-_LENGTHENED = np.array([0.0, np.inf], dtype=np.float16)  # of a lidar's beam that returns and of one that does not
+_LENGTHENED = np.array([0.0, np.inf], dtype=np.float16)  # for a lidar beam that returns and for one that does not
 
 
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """The faults that the map is made with.
+    """The faults used for the map.
 
-    ``drift`` uses the poses of :class:`~mapper.simulation.odometry.Odometer`, with ``slam`` as SLAM corrects them.
-    ``specular`` uses the walls of :func:`polished_faces`: a lidar's slanting beam does not return, a sonar hears only
-    what else is in its cone.
-    Raises :class:`mapper.core.errors.ConfigError` for a value that is not true or false.
+    ``drift`` uses the poses of :class:`~mapper.simulation.odometry.Odometer`, which ``slam`` corrects by SLAM.
+    ``specular`` uses the walls of :func:`polished_faces`: an oblique lidar beam does not return, and a sonar receives
+    only the other echoes in its cone. Raises :class:`mapper.core.errors.ConfigError` for a value that is not a boolean.
     """
 
     # fmt: off
@@ -58,27 +57,27 @@ class Faults:
         check_fields(self)
 
     def with_values(self, values: Mapping[str, Any]) -> Faults:
-        """Return a copy with some values replaced; raise :class:`mapper.core.errors.ConfigError` for an unknown name
-        or an invalid value.
+        """Return a copy with some values replaced. Raise :class:`mapper.core.errors.ConfigError` for invalid names or
+        values.
         """
         return with_values(self, values, "fault")
 
     @property
     def trajectory(self) -> str:
-        """The trajectory of a :class:`~mapper.simulation.recording.Recording` that the map is made with."""
+        """The trajectory of a :class:`~mapper.simulation.recording.Recording` used for the map."""
         if not self.drift:
             return "true"
         return "slam" if self.slam else "odometry"
 
     @property
     def corrects_poses(self) -> bool:
-        """Whether the map is made with corrected poses."""
+        """Whether corrected poses are used for the map."""
         return self.trajectory == "slam"
 
 
 @lru_cache(maxsize=16)
 def polished_faces(world: World) -> Float64Array:
-    """Return the faces (n, 4), ``(ax, ay, bx, by)`` in metres, that are polished: all straight ones that are long."""
+    """Return the polished faces (n, 4), ``(ax, ay, bx, by)`` in metres: all long straight ones."""
     length = np.hypot(*(world.seen[:, 2:] - world.seen[:, :2]).T)
     faces: Float64Array = np.ascontiguousarray(world.seen[length >= POLISHED_LENGTH])
     faces.setflags(write=False)
@@ -89,8 +88,8 @@ def reflected_away(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_po
     """Return which beams (n,) a polished wall reflects away, given their true ``ranges`` (n,), without noise.
 
     ``angles`` (n,) are radians in the laser frame, ``sensor_pose`` (3,) is ``T_map_laser``. A beam that returns from
-    anything else, or from nothing, is not reflected away. Source of the effect: Probabilistic Robotics, section 6.3
-    (failures of a range finder: specular reflection, of sonars on every smooth wall, of lidars on glass and polished
+    anything else, or does not return, is not reflected away. Source of the effect: Probabilistic Robotics, section 6.3
+    (failures of a range finder: specular reflection, for sonars on every smooth wall, for lidars on glass and polished
     surfaces).
     """
     radians = np.asarray(angles, dtype=np.float64)
@@ -108,12 +107,12 @@ def _reflected(world: World, ranges: Float64Array, beams: Float64Array, sensor_p
 
 
 def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> NDArray[np.float16]:
-    """Return by how many metres (n_readings,) each reading is longer because of the polished walls.
+    """Return by how many metres (n_readings,) polished walls lengthen each reading.
 
-    0 where the reading is the true one, +inf where nothing comes back any more; ``sensor_pose`` (3,) is
-    ``T_map_laser``. A lidar's beam returns or it does not. A sonar hears the nearest wall in its cone that it meets
-    within :data:`SPECULAR_ANGLE` of the normal, and whatever is not polished. Half precision, a thousandth of the
-    distance, is less than any sensor's noise.
+    0 for the true reading, +inf for no return; ``sensor_pose`` (3,) is ``T_map_laser``. A lidar beam either returns or
+    not. A sonar receives the nearest echo of the walls in its cone that are not polished, or are within
+    :data:`SPECULAR_ANGLE` of the normal. The error of half precision, a thousandth of the distance, is less than any
+    sensor's noise.
     """
     x, y, yaw = pose = pose_of(sensor_pose)
     if sensor.kind == "lidar":
@@ -131,9 +130,9 @@ def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> ND
 
 
 def with_lengthened(ranges: NDArray[np.float32], longer: NDArray[np.float16], range_max: float) -> NDArray[np.float32]:
-    """Return readings, of any shape, as the sensor reports them near polished walls: see :func:`lengthened`.
+    """Return the readings, any shape, reported by the sensor near polished walls: see :func:`lengthened`.
 
-    What is longer than ``range_max`` does not return: +inf (REP 117).
+    Readings beyond ``range_max`` are +inf, no return (REP 117).
     """
     reported = ranges + longer
     reported[reported > range_max] = np.inf

@@ -1,4 +1,4 @@
-"""The worlds: an office floor, a cluttered room, a corridor loop, a hall, a maze, two equal rooms and one with steps.
+"""The worlds: an office floor, a cluttered room, a corridor loop, a hall, a maze, two equal rooms and one with levels.
 
 Metres, map frame.
 """
@@ -56,7 +56,7 @@ def _office() -> World:
     # South 3: one desk across the corner, an armchair, a low shelf.
     solids += [box(12.9, 1.2, 1.8, 0.8, -0.6), disc(13.32, 1.82, 0.24, 10), rect(10.06, 3.0, 10.46, 5.0)]
     solids += [rect(10.06, 0.2, 10.96, 1.0)]
-    # South 4: the meeting room; of the table only the legs are in the laser's plane.
+    # South 4: the meeting room; only the legs of the table are in the laser's plane.
     solids += legs(17.0, 2.9, 2.6, 1.4)
     blocks.append(table_top(17.0, 2.9, 2.6, 1.4, 0.0, TABLE))
     solids += [disc(x, y, 0.22, 10) for x in (16.2, 17.0, 17.8) for y in (1.9, 3.9)]
@@ -119,14 +119,14 @@ def _loop() -> World:
     core = [
         (2.2, 2.2), (8.0, 2.2), (8.0, 2.6), (9.2, 2.6), (9.2, 2.2), (21.8, 2.2),  # a shallow niche in the south
         (21.8, 9.0), (21.4, 9.0), (21.4, 10.2), (21.8, 10.2), (21.8, 13.8),  # one in the east
-        (14.0, 13.8), (14.0, 13.5), (12.8, 13.5), (12.8, 13.8), (2.2, 13.8),  # and in the north; the west is bare
+        (14.0, 13.8), (14.0, 13.5), (12.8, 13.5), (12.8, 13.8), (2.2, 13.8),  # and in the north; the west wall is plain
     ]  # fmt: skip
     solids += [np.array(core), disc(17.5, 15.4, 0.25), rect(5.0, 0.2, 6.6, 0.5), rect(23.55, 4.4, 23.8, 5.6)]
     return World("loop", "Corridor loop", (0.0, 0.0, 24.0, 16.0), tuple(solids), (3.2, 1.25, 0.0))
 
 
 def _hall() -> World:
-    """A hall with cut corners, pillars, a star of sixteen edges and walls at 30° and 60°: lines in every octant."""
+    """A hall with cut corners, pillars, a star with sixteen edges and walls at 30° and 60°: lines in every octant."""
     solids = outer_walls(0.0, 0.0, 22.0, 16.0, OUTER)
     for x, y, dx, dy in (
         (0.0, 0.0, 4.0, 4.0),
@@ -161,11 +161,11 @@ MAZE = (
 
 
 def _maze() -> World:
-    """A maze with loops, drawn as text: passages of 1.5 m between thin walls."""
+    """A maze with loops, defined as text: passages of 1.5 m between thin walls."""
     cell = 1.65
     cols, rows = (len(MAZE[0]) - 1) // 3, (len(MAZE) - 1) // 2
     solids: list[Polygon] = []
-    edge = OUTER / 2  # the outer walls' outer faces are the bounds
+    edge = OUTER / 2  # the outer faces of the outer walls are the bounds
     for line, text in enumerate(MAZE):
         y = (rows - line / 2) * cell + edge
         if line % 2 == 0:
@@ -180,8 +180,8 @@ def _maze() -> World:
 
 
 def _twins() -> World:
-    """Two equal rooms, with the same furniture, on a corridor whose ends differ."""
-    apart = 7.86  # metres from a place in one room to the same place in the other
+    """Two equal rooms with the same furniture, on a corridor with different ends."""
+    apart = 7.86  # metres between corresponding places of the two rooms
     solids = outer_walls(0.0, 0.0, 16.0, 9.0, OUTER)
     solids += wall((0.2, 2.26), (15.8, 2.26), INNER, [(2.8, 3.75), (2.8 + apart, 3.75 + apart)])
     solids += wall((8.0, 2.26), (8.0, 8.8), INNER)
@@ -193,14 +193,14 @@ def _twins() -> World:
 
 
 def _levels() -> World:
-    """Two rooms with what one plane of a lidar misses: a low table, a bench, a sill, a ramp, stairs, a shelf."""
+    """Two rooms with objects that a planar lidar misses: a low table, a bench, a sill, a ramp, stairs, a shelf."""
     solids = outer_walls(0.0, 0.0, 14.0, 10.0, OUTER)
     blocks: list[Block] = []
     _walled(solids, blocks, (0.2, 6.0), (13.8, 6.0), [(2.6, 3.6), (9.4, 10.4)])
     # The low table: its board and its legs are below the plane of the lidar.
     blocks += [slab(leg, 0.0, 0.2) for leg in legs(4.0, 3.0, 1.4, 0.8)]
     blocks.append(table_top(4.0, 3.0, 1.4, 0.8, 0.0, LOW_TABLE))
-    # A table as high as others: of it the lidar sees the legs.
+    # A table of usual height; the lidar sees its legs.
     solids += legs(7.8, 3.4, 1.6, 0.9, 0.3)
     blocks.append(table_top(7.8, 3.4, 1.6, 0.9, 0.3, TABLE))
     blocks.append(slab(rect(0.2, 1.0, 0.6, 3.4), 1.1, 1.14))  # a shelf on the wall
@@ -208,7 +208,7 @@ def _levels() -> World:
     blocks.append(slab(rect(12.0, 0.2, 13.8, 3.2), 0.0, 0.64))
     blocks += stairs(10.8, 0.2, 12.0, 1.6, 0.64, 4)
     blocks.append(ramp(9.8, 1.6, 12.0, 3.2, 0.64))
-    # Across the wall: a bench whose seat is above the plane of the lidar, its supports are thin, and a sill below it.
+    # Beyond the wall: a bench with its seat above the plane of the lidar and thin supports, and a sill below the plane.
     solids += [box(6.1, 8.6, 0.06, 0.06), box(7.7, 8.6, 0.06, 0.06)]
     blocks.append(slab(rect(5.9, 8.3, 7.9, 8.9), 0.42, 0.48))
     blocks.append(slab(rect(10.2, 7.6, 11.8, 7.8), 0.0, 0.12))
@@ -217,7 +217,7 @@ def _levels() -> World:
 
 
 def _runs(present: list[bool]) -> list[tuple[int, int]]:
-    """Return the (first, last + 1) of each unbroken run of true values."""
+    """Return the (first, last + 1) of each run of true values."""
     edges = np.flatnonzero(np.diff([False, *present, False]))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -228,6 +228,6 @@ WORLDS: Mapping[str, World] = MappingProxyType(
 
 
 def another_world(name: str) -> World:
-    """Return the world that follows the one called ``name``; an unknown name is followed by the first."""
+    """Return the world after ``name``; an unknown name is followed by the first."""
     names = list(WORLDS)
     return WORLDS[names[(names.index(name) + 1) % len(names) if name in names else 0]]

@@ -1,4 +1,4 @@
-"""The simulated range finder, a rotating lidar or a ring of sonars: its parameters, and what it reads in a world."""
+"""Simulated range finder, a rotating lidar or a ring of sonars: parameters, and readings in a world."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ RAY_STEP = math.radians(1.0)  #: between the rays that sample a cone
 
 
 def rays_of_cone(beam_width: float) -> Float64Array:
-    """Return the bearings (n_rays,) off a cone's axis, radians, of the rays that sample it.
+    """Return the bearings (n_rays,) relative to a cone's axis, radians, of the rays that sample it.
 
-    At most :data:`RAY_STEP` apart, the cone's edges and its axis among them; ``beam_width`` is from edge to edge.
+    They are at most :data:`RAY_STEP` apart and include the cone's edges and its axis; ``beam_width`` is from edge to
+    edge.
     """
     n_rays = 2 * math.ceil(beam_width / 2.0 / RAY_STEP) + 1
     return np.linspace(-beam_width / 2.0, beam_width / 2.0, n_rays)
@@ -34,11 +35,8 @@ def rays_of_cone(beam_width: float) -> Float64Array:
 def ranges_in_cones(
     world: World, pose: tuple[float, float, float], bearings: Float64Array, beam_width: float, range_max: float
 ) -> Float64Array:
-    """Return the distance (n, n_rays), metres, along each ray of each cone to the first solid, +inf where none is.
-
-    ``pose`` (x, y, yaw) is ``T_map_sensor``; ``bearings`` (n,) of the cones' axes and ``beam_width`` are radians; the
-    rays are those of :func:`rays_of_cone`. A sonar measures the nearest surface that returns an echo. Source: the
-    wide beam of a time of flight sonar, Moravec & Elfes 1985.
+    """Return the distance (n, n_rays), metres, along each ray of each cone to the first solid, +inf if there is
+    none.
     """
     x, y, yaw = pose
     rays = rays_of_cone(beam_width)
@@ -49,14 +47,14 @@ def ranges_in_cones(
 
 
 TURN = 2.0 * np.pi
-RANGE_MIN = 0.02  #: metres: no reading is shorter, whatever the noise
+RANGE_MIN = 0.02  #: metres: lower limit of readings, whatever the noise
 
 
 @dataclass(frozen=True, slots=True)
 class SensorConfig:
-    """One value for each row of :data:`SENSOR_PARAMETERS`; each field states its unit and meaning.
+    """Values of all rows of :data:`SENSOR_PARAMETERS`; each field states its unit and meaning.
 
-    Raises :class:`ConfigError` naming the field that is refused.
+    Raises :class:`ConfigError` naming the invalid field.
     """
 
     # fmt: off
@@ -101,17 +99,17 @@ class SensorConfig:
 
     @property
     def n_readings(self) -> int:
-        """Readings in a scan: one for each beam of the lidar, or for each sonar."""
+        """Readings per scan: one per lidar beam or sonar."""
         return self.n_beams if self.kind == "lidar" else self.n_sonars
 
     @property
     def cone(self) -> float:
-        """The angle in which one reading may have arisen, radians: 0 for the lidar's thin beams."""
+        """The angle in which a reading may originate, radians: 0 for the lidar's thin beams."""
         return 0.0 if self.kind == "lidar" else self.beam_width
 
     @property
     def angle_increment(self) -> float:
-        """Radians from one beam to the next. A full turn has no beam twice; a narrower fan has one at each edge."""
+        """Radians between beams. A full turn has no beam twice; a narrower fan has one at each edge."""
         return self.field_of_view / (self.n_readings if self.field_of_view >= TURN else self.n_readings - 1)
 
     @property
@@ -130,7 +128,9 @@ class SensorConfig:
         return _directions(self.angle_min, self.angle_increment, self.n_readings)
 
     def with_values(self, values: Mapping[str, Any]) -> SensorConfig:
-        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
+        """Return a copy with some values replaced. Raise :class:`ConfigError` for an unknown name or an invalid
+        value.
+        """
         return with_values(self, values, "sensor parameter")
 
 
@@ -139,7 +139,7 @@ SENSOR_PARAMETERS = table_of(SensorConfig)
 
 @lru_cache(maxsize=64)
 def _bearings(angle_min: float, angle_increment: float, count: int) -> Float64Array:
-    """Return even bearings (count,), radians, which all scans of one sensor share."""
+    """Return evenly spaced bearings (count,), radians, shared by all scans of one sensor."""
     bearings: Float64Array = angle_min + angle_increment * np.arange(count, dtype=np.float64)
     bearings.setflags(write=False)
     return bearings
@@ -154,7 +154,7 @@ def _directions(angle_min: float, angle_increment: float, count: int) -> Float64
 
 
 def pose_of(numbers: ArrayLike) -> PoseTuple:
-    """Return a pose (3,) as plain numbers."""
+    """Return a pose (3,) as a tuple of floats."""
     if isinstance(numbers, tuple):
         return cast("PoseTuple", numbers)
     x, y, yaw = np.asarray(numbers, dtype=np.float64).tolist()
@@ -164,8 +164,8 @@ def pose_of(numbers: ArrayLike) -> PoseTuple:
 def true_ranges(world: World, sensor: SensorConfig, sensor_pose: PoseTuple) -> Float64Array:
     """Return the exact distance (n_readings,), metres, from ``sensor_pose``, ``T_map_laser``, to the first solid.
 
-    +inf where a beam, or a sonar's cone, meets nothing within ``sensor.range_max``. The array may be shared and must
-    not be modified.
+    +inf if a beam, or a sonar's cone, hits nothing within ``sensor.range_max``. The array may be shared and must not be
+    modified.
     """
     x, y, yaw = sensor_pose
     if sensor.kind == "sonar_ring":
@@ -175,7 +175,7 @@ def true_ranges(world: World, sensor: SensorConfig, sensor_pose: PoseTuple) -> F
     return _thin_ranges(world, sensor, x, y, yaw)
 
 
-@lru_cache(maxsize=128)  # a scan and what polished walls do to it ask for the same, one after the other
+@lru_cache(maxsize=128)  # requested for a scan and then for its polished walls
 def _thin_ranges(world: World, sensor: SensorConfig, x: float, y: float, yaw: float) -> Float64Array:
     out = np.empty(sensor.n_readings)
     cast_rays(world.seen, x, y, yaw, sensor.angle_min, sensor.angle_increment, sensor.range_max, out)
@@ -185,13 +185,13 @@ def _thin_ranges(world: World, sensor: SensorConfig, x: float, y: float, yaw: fl
 def measure(
     world: World, sensor: SensorConfig, sensor_pose: ArrayLike, rng: np.random.Generator, stamp_ns: int = 0
 ) -> LaserScan:
-    """Return the scan that the sensor at ``sensor_pose`` (3,), ``T_map_laser``, reports, all beams at one instant.
+    """Return the scan reported by the sensor at ``sensor_pose`` (3,), ``T_map_laser``, with all beams at one instant.
 
-    Each true range gets Gaussian noise of σ = ``range_noise``, cut off so that no reading falls below
-    :data:`RANGE_MIN`; one beyond ``range_max``, before or after the noise, is +inf, "no return" (REP 117). This is
-    p_hit of the beam model (Probabilistic Robotics, table 6.1) without its other three terms.
+    Each true range has Gaussian noise of σ = ``range_noise``, limited so that no reading is below :data:`RANGE_MIN`;
+    one beyond ``range_max``, before or after the noise, is +inf, "no return" (REP 117). This is p_hit of the beam model
+    (Probabilistic Robotics, table 6.1) without its other three terms.
     """
-    # Drawn even where σ = 0: the noise of later scans does not depend on it.
+    # Drawn even for σ = 0, so that the noise of later scans does not depend on σ.
     noise = rng.standard_normal(sensor.n_readings)
     ranges = np.empty(sensor.n_readings, dtype=np.float32)
     true = true_ranges(world, sensor, pose_of(sensor_pose))

@@ -1,4 +1,4 @@
-"""Computation of a session of the lab: a simulation, the recording of its sensor, and the maps made of it."""
+"""Computation of a lab session: a simulation, the recording of its sensor, and the maps made from it."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ from mapper.simulation.second_map import SecondMap, Vanishing
 from mapper.simulation.simulation import Simulation
 from mapper.simulation.worlds import World
 
-SNAP_M = 0.2  #: metres that a robot is moved aside without a word
-MARGIN = 1.0  #: metres around a world that its grid holds from the start, for readings that noise lengthens
-WARM_UP_S = 2.0  #: seconds that the robot has driven when a visitor arrives
-MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
+SNAP_M = 0.2  #: metres that a robot may be displaced without a message
+MARGIN = 1.0  #: metres around a world covered by its initial grid, for readings lengthened by noise
+WARM_UP_S = 2.0  #: seconds that the robot has already driven when a visitor arrives
+MAX_SEGMENTS = 32  #: recordings of different sensors used for one map
 
 
 class LiveMap:
-    """A simulation and the map that it makes. Not for several threads at once.
+    """A simulation and its map. Not thread-safe.
 
-    Everything the sensor saw is kept, so the whole map can be made again with other parameters, with or without the
-    faults of the robot. A sensor with other beams begins a recording of its own; the map is made from all of them.
+    All sensor readings are kept, so the whole map can be recomputed with other parameters, with or without the robot's
+    faults. A sensor with other beams starts a separate recording; the map is made from all of them.
     """
 
     def __init__(
@@ -55,16 +55,16 @@ class LiveMap:
         may_continue: Callable[[], bool] = lambda: True,
         make_corrector: MakeCorrector = lambda *_: None,
     ) -> None:
-        """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`.
+        """Start in ``world``. Without ``mapping``, scans are only recorded, until :meth:`begin_mapping`.
 
-        ``make_corrector`` makes what corrects the poses of a sensor, for :attr:`Faults.slam`.
+        ``make_corrector`` creates the pose corrector of a sensor, for :attr:`Faults.slam`.
         """
         self._make_corrector = make_corrector
         sensor = sensor or SensorConfig()
         self.may_continue = (
-            may_continue  #: called while maps are made: False ends that with :class:`WorkCancelledError`
+            may_continue  #: called while maps are computed; False cancels with :class:`WorkCancelledError`
         )
-        self.fraction: float | None = None  #: how much of the map that is being made is done; None while none is
+        self.fraction: float | None = None  #: completed fraction of the map being computed; None if none is
         self._mapping = mapping
         self.seed = seed
         self.limits = limits
@@ -76,28 +76,28 @@ class LiveMap:
 
     @staticmethod
     def first_config(sensor: SensorConfig) -> MappingConfig:
-        """Return the parameters that a live world begins with."""
+        """Return the initial parameters of a live world."""
         first = {"range_max": sensor.range_max, "window": 0.2, "resolution": 0.05}
         return MappingConfig().with_values(sensor_defaults(sensor.cone, first))
 
     def begin(self, world: World, sensor: SensorConfig, edits: Edits | None = None) -> None:
-        """Start again in ``world``, altered by ``edits``, after the robot has driven for :data:`WARM_UP_S`.
+        """Restart in ``world``, modified by ``edits``, after the robot has driven for :data:`WARM_UP_S`.
 
-        Raises as :func:`mapper.simulation.edited` does; nothing has changed then.
+        Raises the errors of :func:`mapper.simulation.edited`; nothing has changed then.
         """
         edits = edits or Edits()
         altered = edited(world, edits, self.limits())
-        altered.nearest_free(world.start[:2])  # raises where nothing fits any more
-        self.plan, self.edits = world, edits  #: the world as it was built, and what a person changed in it
+        altered.nearest_free(world.start[:2])  # raises if nothing fits any more
+        self.plan, self.edits = world, edits  #: the world as built, and the person's edits
         grid = self._empty_grid(altered, self.config, [])
         self.simulation = Simulation(altered, sensor, self.seed)
         self.first_sensor, self.first_edits = sensor, edits
-        self.journal: list[tuple[int, Any]] = []  #: each action, as who acts has it, with the step before it
+        self.journal: list[tuple[int, Any]] = []  #: the actions, as recorded by the caller, with the step before each
         self._noise = np.random.default_rng(self.seed)
         self._odometer = Odometer(self.simulation.pose, np.random.default_rng([self.seed, 1]))
         self.recordings = [Recording(sensor)]
         self.pose_correction = PoseCorrection(self._make_corrector)
-        self._has_moved = False  #: whether poses of scans in the map were corrected since it was made
+        self._has_moved = False  #: whether poses of mapped scans have been corrected since the map was computed
         self.grid = grid
         self.vanishing = None
         if self.second is not None:
@@ -106,8 +106,8 @@ class LiveMap:
         self.newest_pose: PoseTuple = self.simulation.pose
         self.believed_pose: PoseTuple = self.simulation.pose  #: the base's pose in the map at the newest scan
         self.scans = 0
-        self.n_newest = 0  #: how often there was another newest scan
-        self.hidden = 0  #: newest scans that are taken out of the map again, to be looked at one by one
+        self.n_newest = 0  #: number of newest scans so far
+        self.hidden = 0  #: newest scans removed from the map again, to be stepped through
         if not altered.is_free(world.start[:2], self.simulation.radius):
             self.simulation.teleport(*world.start)
             self._odometer.place(self.simulation.pose)
@@ -116,7 +116,7 @@ class LiveMap:
             self.look()
 
     def _empty_grid(self, world: World, config: MappingConfig, logs: list[ScanLog]) -> OccupancyGrid:
-        """Return a grid that holds the world and all that the logs saw of it."""
+        """Return a grid that covers the world and everything the logs observed in it."""
         limits = self.limits()
         x0, y0, x1, y1 = world.bounds
         low, high = np.array([x0 - MARGIN, y0 - MARGIN]), np.array([x1 + MARGIN, y1 + MARGIN])
@@ -131,9 +131,10 @@ class LiveMap:
         return OccupancyGrid(geometry, config.log_odds_prior)
 
     def logs(self, faults: Faults | None = None) -> list[ScanLog]:
-        """Readings of the sensors so far, one log for each kind of sensor; None for the present faults.
+        """Readings of the sensors so far, one log for each kind of sensor; None for the current faults.
 
-        With None, and with faults that correct poses, they have the corrected poses, if those of all scans are known.
+        With None, and with faults that correct poses, the logs have the corrected poses, if those of all scans are
+        known.
         """
         is_corrected = faults is None or faults.corrects_poses
         faults = faults or self.faults
@@ -166,11 +167,13 @@ class LiveMap:
         return grid
 
     def remake(self, config: MappingConfig) -> None:
-        """Make the map again from the recordings. Raises as :func:`geometry_for` does; the old map stays then."""
+        """Recompute the map from the recordings. Raises the errors of :func:`geometry_for`; the old map is then
+        kept.
+        """
         self.set_up(config, self.faults)
 
     def set_up(self, config: MappingConfig, faults: Faults) -> None:
-        """Make the map again with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
+        """Recompute both maps with other parameters or faults. Raises the errors of :meth:`remake`."""
         config = _live(config)
         if faults.corrects_poses:
             self._correct_poses(faults)
@@ -189,7 +192,7 @@ class LiveMap:
         self._has_moved = False
 
     def _correct_poses(self, faults: Faults) -> None:
-        """Correct the poses of what was recorded. Raises :class:`WorkCancelledError`; it can be gone on with then."""
+        """Correct the poses of the recordings. Raises :class:`WorkCancelledError`; another call then continues."""
 
         def wanted(fraction: float) -> bool:
             self.fraction = fraction
@@ -202,12 +205,12 @@ class LiveMap:
             self.fraction = None
 
     def begin_mapping(self) -> None:
-        """Make the map of what was recorded without one, and go on with it. Raises as :meth:`remake`."""
+        """Map what was recorded without a map, and continue mapping. Raises the errors of :meth:`remake`."""
         self._mapping = True
         self.remake(self.config)
 
     def compare(self, values: dict[str, Any] | None, *, with_faults: bool = False) -> None:
-        """Keep a second map of the same recording, with other ``values``; None removes it.
+        """Keep a second map of the same recording with other ``values``; None removes it.
 
         It has true poses and readings, unless ``with_faults``. Raises :class:`ConfigError` for invalid values.
         """
@@ -222,11 +225,11 @@ class LiveMap:
     # -- time -------------------------------------------------------------------------------------------------------
 
     def advance(self, dt: float) -> list[Change]:
-        """Let ``dt`` seconds of the world's time pass; return what each scan changed."""
+        """Advance the world by ``dt`` seconds; return the change made by each scan."""
         changes = []
         for scan, pose in self.simulation.advance(dt):
             changes.append(self._take(scan, pose))
-            self.may_continue()  # other computations may run here; the time passes in any case
+            self.may_continue()  # lets other computations run; the time advances anyway
         if self._has_moved and self._mapping:
             self.remake(self.config)
             changes.append(Change(None, geometry_changed=True, cells_updated=0))
@@ -234,22 +237,22 @@ class LiveMap:
 
     @property
     def believed_now(self) -> PoseTuple:
-        """Where the robot takes itself to be in the map now.
+        """The robot's believed pose in the map now.
 
-        Its true motion since the newest scan is added: the drift in a tenth of a second is negligible.
+        Its true motion since the newest scan is added, because the drift in a tenth of a second is negligible.
         """
         since = compose(inverse(np.array(self.newest_pose)), np.array(self.simulation.pose))
         return pose_tuple(compose(self.believed_pose, since))
 
     def look(self) -> Change:
-        """Take a scan now, whatever the sensor's rate: a teleport is followed by one at once."""
+        """Take a scan now, regardless of the sensor's rate; called after a teleport."""
         simulation = self.simulation
         stamp_ns = round(simulation.time * 1e9)
         scan = measure(simulation.world, simulation.sensor, simulation.sensor_pose, self._noise, stamp_ns)
         return self._take(scan, simulation.pose)
 
     def step_back(self, scans: int) -> bool:
-        """Take the newest ``scans`` out of the map again, all but the sensor's first; return whether there were any."""
+        """Remove the newest ``scans`` from the map, but not the sensor's first; return whether there were any."""
         hidden = min(self.hidden + scans, len(self.recordings[-1]) - 1)
         if hidden <= self.hidden:
             return False
@@ -263,7 +266,7 @@ class LiveMap:
         return True
 
     def _recall(self) -> RangeScan:
-        """Take the newest scan that is not hidden; return it with its true readings."""
+        """Remove and return the newest scan that is not hidden, with its true readings."""
         recording = self.recordings[-1]
         at = len(recording) - 1 - self.hidden
         log = recording.as_log(specular=self.faults.specular, corrected=self.pose_correction.poses_of(recording))
@@ -274,7 +277,7 @@ class LiveMap:
         return recording.as_log().scan(at)
 
     def _reveal(self, scans: int) -> list[Change]:
-        """Put up to ``scans`` of the hidden ones back into the map."""
+        """Add up to ``scans`` hidden scans to the map again."""
         changes = []
         for _ in range(min(scans, self.hidden)):
             self.hidden -= 1
@@ -282,7 +285,7 @@ class LiveMap:
         return changes
 
     def step(self, scans: int) -> list[Change]:
-        """Let time pass until ``scans`` more scans are in the map; those that were taken out come first."""
+        """Advance time until ``scans`` more scans are in the map; hidden scans come first."""
         changes = self._reveal(scans)
         while len(changes) < scans:
             changes += self.advance(1.0 / self.simulation.sensor.scan_rate)
@@ -307,13 +310,13 @@ class LiveMap:
                 self.believed_pose = corrector.newest
         self.scans += 1
         if recording.generation != generation:
-            # The recording was thinned: the map is made of what it still holds, as any later re-make will be.
+            # The recording was thinned, so the map is recomputed from what it still holds, like any later map.
             self.remake(self.config)
             return Change(None, geometry_changed=True, cells_updated=0)
         return self._integrate(scan)
 
     def _integrate(self, scan: RangeScan) -> Change:
-        """Put the newest scan into the maps: as it was reported, and into a map made right the true ``scan``."""
+        """Add the newest scan to the maps: as reported, and the true ``scan`` to a map without faults."""
         mount, reported = self.simulation.mount, self.newest
         if reported is None:
             raise RuntimeError("there is no newest scan")
@@ -335,9 +338,9 @@ class LiveMap:
     # -- what a person changes --------------------------------------------------------------------------------------
 
     def teleport(self, x: float, y: float, yaw: float | None) -> tuple[Change, str | None]:
-        """Put the robot somewhere and look; return the change, and a sentence where it had to be put elsewhere.
+        """Place the robot somewhere and scan; return the change, and a message if it had to be placed elsewhere.
 
-        A place at most :data:`SNAP_M` beside the one that was asked for needs no sentence.
+        No message is returned for a displacement of at most :data:`SNAP_M`.
         """
         landed = self.simulation.teleport(x, y, yaw)
         self._odometer.place(landed.pose)
@@ -345,11 +348,11 @@ class LiveMap:
         return self.look(), landed.message if is_told else None
 
     def set_sensor(self, sensor: SensorConfig) -> bool:
-        """Exchange the sensor; return whether the map had to be made again, because a recording was given up.
+        """Replace the sensor; return whether the map had to be recomputed because a recording was dropped.
 
-        Thin beams and cones need different models: with a sensor of another kind the map begins again, with the default
-        model of that sensor. Raises :class:`WorkCancelledError` where the new map is not wanted any more; sensor, map
-        and recordings are then as they were.
+        Thin beams and cones need different models, so with a sensor of another kind the map starts again, with the
+        default model of that sensor. Raises :class:`WorkCancelledError` if the new map is cancelled; sensor, map and
+        recordings are then unchanged.
         """
         self._reveal(self.hidden)
         before, old = self.simulation.sensor, [*self.recordings]
@@ -382,11 +385,11 @@ class LiveMap:
         return True
 
     def edit(self, edits: Edits, *, watch: bool = False) -> bool:
-        """Alter the world around the robot; return whether the robot had to be moved.
+        """Modify the world around the robot; return whether the robot had to be moved.
 
-        With ``watch`` a second map without the clamp (with it, where the first has none) begins, and both are watched
-        while they forget what was erased. Raises as :func:`mapper.simulation.edited` does, and :class:`ConfigError`
-        where the map holds nothing of what was erased; the world is then as it was.
+        With ``watch``, a second map without the clamp (or with it, if the first has none) is started, and both are
+        watched while they forget the erased solids. Raises the errors of :func:`mapper.simulation.edited`, and
+        :class:`ConfigError` if the map contains nothing of the erased solids; the world is then unchanged.
         """
         before = self.simulation.world
         after = edited(self.plan, edits, self.limits())
@@ -405,7 +408,7 @@ class LiveMap:
 
 
 def _live(config: MappingConfig) -> MappingConfig:
-    """Return the parameters without a time offset: of a live robot the poses to come are not known."""
+    """Return the parameters without a time offset, because the future poses of a live robot are unknown."""
     return config.with_values({"time_offset": 0.0}) if config.time_offset else config
 
 
@@ -414,7 +417,7 @@ def _only(log: ScanLog, trajectory: str) -> ScanLog:
 
 
 def world_named(name: str) -> World:
-    """Return a world. Raises :class:`ConfigError` for a name that there is not."""
+    """Return a world. Raises :class:`ConfigError` for an unknown name."""
     if name not in WORLDS:
         raise ConfigError("world.name", f"There is no world {name!r:.80}; there are {', '.join(WORLDS)}.")
     return WORLDS[name]

@@ -1,4 +1,4 @@
-"""Wheel odometry of a true path, with drift."""
+"""Wheel odometry with drift along a true path."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ from mapper.simulation.robot import PoseTuple
 
 Alphas = tuple[float, float, float, float]
 
-ALPHAS: Alphas = (0.004, 0.002, 0.02, 0.001)  #: rad/rad, rad/m, m/m, m/rad: a good indoor robot on smooth floor
-TURN_BIAS = 0.002  #: rad/m: one wheel a little larger than the other
-WORN_ALPHAS: Alphas = (0.02, 0.01, 0.04, 0.005)  #: the same of worn wheels on carpet
+ALPHAS: Alphas = (0.004, 0.002, 0.02, 0.001)  #: rad/rad, rad/m, m/m, m/rad: a good indoor robot on a smooth floor
+TURN_BIAS = 0.002  #: rad/m: one wheel is slightly larger than the other
+WORN_ALPHAS: Alphas = (0.02, 0.01, 0.04, 0.005)  #: the same for worn wheels on carpet
 WORN_TURN_BIAS = 0.02  #: rad/m
 
 
 def drifting_odometry(
     poses: ArrayLike, rng: np.random.Generator, alphas: Alphas = ALPHAS, turn_bias: float = TURN_BIAS
 ) -> Float64Array:
-    """Return poses (n, 3) as odometry would report them along the true ``poses`` (n, 3): the first is right.
+    """Return poses (n, 3) as reported by odometry along the true ``poses`` (n, 3); the first is exact.
 
     Each motion is a turn, a straight line and a turn, with Gaussian noise on each. Source: Probabilistic Robotics,
-    table 5.6 (``sample_motion_model_odometry``), but with variances α² times the motion instead of α times its square:
-    then the drift of a path does not depend on how finely it is cut.
-    ``turn_bias`` is added to every metre.
+    table 5.6 (``sample_motion_model_odometry``), but with variances α² times the motion instead of α times its square,
+    so that the drift of a path does not depend on its subdivision. ``turn_bias`` is added per metre.
     """
     true = np.asarray(poses, dtype=np.float64)
     if len(true) < 2:
@@ -44,9 +43,9 @@ def drifting_odometry(
 
 
 class Odometer:
-    """Odometry of worn wheels: the same motion model as :func:`drifting_odometry`, one motion at a time.
+    """Odometry of worn wheels: the motion model of :func:`drifting_odometry`, one motion at a time.
 
-    ``pose`` is their estimate since :meth:`place`, T_map_base (x, y, yaw), m and rad.
+    ``pose`` is the estimate since :meth:`place`, T_map_base (x, y, yaw), m and rad.
     """
 
     def __init__(
@@ -60,15 +59,15 @@ class Odometer:
         self.place(pose)
 
     def place(self, pose: PoseTuple) -> None:
-        """Set the estimate to the true ``pose``: drift begins again."""
+        """Set the estimate to the true ``pose``; drift starts again."""
         self.pose = self._true = pose
 
     def carry(self, pose: PoseTuple) -> None:
-        """Carry the robot to the true ``pose``: the wheels do not turn, and the estimate stays."""
+        """Carry the robot to the true ``pose``: the wheels do not turn, and the estimate is unchanged."""
         self._true = pose
 
     def move(self, pose: PoseTuple) -> PoseTuple:
-        """Move to the true ``pose``; return the pose that the wheels report."""
+        """Move to the true ``pose``; return the pose reported by the wheels."""
         noise = self._rng.standard_normal(3).tolist()
         motion = _noisy(between_one(self._true, pose), noise, self._alphas, self._turn_bias)
         x, y, yaw = _moved(self.pose, *motion)
@@ -78,11 +77,11 @@ class Odometer:
 
 
 def _noisy(motion: PoseTuple, noise: Sequence[float], alphas: Alphas, turn_bias: float) -> tuple[float, float, float]:
-    """Return a motion (x, y, yaw) as turn, signed length and turn, with noise made of ``noise`` (3,) on each."""
+    """Return a motion (x, y, yaw) as turn, signed length and turn, each with noise from ``noise`` (3,)."""
     x, y, yaw = motion
     length = math.hypot(x, y)
     turn_1 = math.atan2(y, x) if length > 1e-6 else 0.0
-    backwards = abs(turn_1) > math.pi / 2  # driving backwards is no half turn
+    backwards = abs(turn_1) > math.pi / 2  # driving backwards is not a half turn
     if backwards:
         turn_1 = _wrapped(turn_1 + math.pi)
     turn_2 = _wrapped(yaw - turn_1)

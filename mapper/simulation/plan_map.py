@@ -1,4 +1,4 @@
-"""The plan of a world as a map, such as a robot is given that is to find itself in it; its furniture can be moved."""
+"""Floor plan of a world as a map for localization, optionally with moved furniture."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.simulation.shapes import Polygon
 from mapper.simulation.worlds import World
 
-SURE = 4.0  #: log-odds of a cell of the plan, either way
+SURE = 4.0  #: log-odds of a cell of the plan, of either sign
 LONGEST = 2.7  #: metres: a longer solid is a wall or a core,
-THINNEST = 0.2  #: and so is one that is no wider than this
-POST = 0.5  #: metres: unless it is no longer than this either, as the leg of a table
+THINNEST = 0.2  #: as is one that is no wider than this
+POST = 0.5  #: metres: unless it is also no longer than this, such as the leg of a table
 _WAYS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
 
 
 def plan_map(world: World, resolution: float = 0.05) -> OccupancyGrid:
     """Return a map of a world in the plane of the lidar.
 
-    Cells that touch the face of a solid are occupied, those inside solids unknown; all others within the
-    world's bounds are free. ``resolution`` is metres a cell.
+    Cells that touch the face of a solid are occupied, those inside solids unknown; all others within the world's bounds
+    are free. ``resolution`` is in metres per cell.
     """
     x0, y0, x1, y1 = world.bounds
     grid = OccupancyGrid(GridGeometry.covering((x0, y0), (x1, y1), resolution))
@@ -35,16 +35,16 @@ def plan_map(world: World, resolution: float = 0.05) -> OccupancyGrid:
 
 
 def is_furniture(solid: Polygon) -> bool:
-    """Return whether a polygon (n, 2) is small enough to be furniture, and no piece of a wall."""
+    """Return whether a polygon (n, 2) is small enough to be furniture, and not a piece of a wall."""
     short, long = np.sort(np.ptp(solid, axis=0)).tolist()
     return bool(long <= LONGEST and (short > THINNEST or long <= POST))
 
 
 def with_moved_furniture(world: World) -> World:
-    """Return a world whose furniture stands a metre from where it does in ``world``.
+    """Return a world whose furniture is shifted by one metre relative to ``world``.
 
-    Each piece is moved east, north, west or south, in the first direction in which its middle is free; a piece that is
-    hemmed in stays.
+    Each piece is moved east, north, west or south, in the first direction in which its centre is free; a piece that is
+    blocked on all sides is not moved.
     """
     bare = replace(world, solids=tuple(solid for solid in world.solids if not is_furniture(solid)))
 

@@ -1,6 +1,7 @@
-"""Poses of a live world that are corrected while the robot drives.
+"""Pose correction of a live world while the robot drives.
 
-SLAM is a layer above the simulation: a :class:`Corrector` is made by a function that the owner of the world gives.
+SLAM is a layer above the simulation, so a :class:`Corrector` is created by a function that the owner of the world
+passes.
 """
 
 from __future__ import annotations
@@ -19,14 +20,14 @@ from mapper.sensors.scan import ScanLog
 from mapper.simulation.recording import Recording
 from mapper.simulation.robot import PoseTuple
 
-PLACED_M = 0.75  #: metres between two scans: no drive is as fast, the robot was put elsewhere
+PLACED_M = 0.75  #: metres between two scans: a driving robot is slower, so it was teleported
 
 
 class Corrector(Protocol):
-    """Corrects the poses of the scans of one sensor, one after another."""
+    """Corrects the poses of the scans of one sensor incrementally."""
 
     def add(self, ranges: NDArray[np.float32], motion: PoseTuple) -> bool:
-        """Add a scan (n_beams,), ``motion`` (3,) after the one before; return whether earlier poses have moved."""
+        """Add a scan (n_beams,), ``motion`` (3,) after the previous one; return whether earlier poses have moved."""
 
     @property
     def poses(self) -> NDArray[np.float64]:
@@ -34,15 +35,15 @@ class Corrector(Protocol):
 
     @property
     def newest(self) -> PoseTuple:
-        """The last of them."""
+        """The last pose."""
 
 
 MakeCorrector = Callable[[ScanLog, PoseTuple], Corrector | None]
-"""Makes the corrector of a log's sensor, whose first scan is taken at a pose; None for a sensor that has none."""
+"""Creates the corrector of a log's sensor from the pose of its first scan; None for a sensor that has none."""
 
 
 class _Reckoning:
-    """The poses of a sensor without a corrector: each motion after the one before."""
+    """Dead reckoning for a sensor without a corrector."""
 
     def __init__(self, start: PoseTuple) -> None:
         self._start = start
@@ -63,7 +64,7 @@ class _Reckoning:
 
 @dataclass(slots=True)
 class _Part:
-    """A recording, and the numbers of its scans that its corrector has, in their order."""
+    """A recording, and the numbers of its scans added to its corrector, in order."""
 
     recording: Recording
     corrector: Corrector | None = None
@@ -75,24 +76,24 @@ class _Part:
 
 
 class PoseCorrection:
-    """The corrected poses of a world's recordings, which are added in the order in which they were taken.
+    """The corrected poses of a world's recordings, added in the order in which they were taken.
 
-    A robot that was put elsewhere is where its odometry, which then begins again, says. Poses of a sensor without a
-    corrector follow the odometry.
+    The pose of a teleported robot is that of its restarted odometry. Poses of a sensor without a corrector follow the
+    odometry.
     """
 
     def __init__(self, make: MakeCorrector) -> None:
         self._make = make
-        self._parts: dict[int, _Part] = {}  #: by the identity of their recordings, which they keep
+        self._parts: dict[int, _Part] = {}  #: by the identity of their recordings, to which they hold references
         self._last: tuple[PoseTuple, PoseTuple] | None = None  #: the newest scan's corrected pose, and its odometry
 
     def add(
         self, recording: Recording, may_continue: Callable[[float], bool] = lambda _: True, *, specular: bool = False
     ) -> bool:
-        """Add the scans of a recording that are new; return whether poses of earlier ones have moved.
+        """Add the new scans of a recording; return whether poses of earlier ones have moved.
 
-        With ``specular`` their readings are those that polished walls leave. ``may_continue`` takes the share that is
-        done; where it returns False, :class:`WorkCancelledError` is raised, and the rest can be added later.
+        With ``specular`` their readings are affected by polished walls. ``may_continue`` is called with the fraction
+        done; if it returns False, :class:`WorkCancelledError` is raised, and the rest can be added later.
         """
         part = self._parts.setdefault(id(recording), _Part(recording))
         log = recording.as_log()
@@ -122,7 +123,7 @@ class PoseCorrection:
         return moved
 
     def poses_of(self, recording: Recording) -> NDArray[np.float64] | None:
-        """Return the corrected poses (n, 3) of a recording's scans; None while there are new ones."""
+        """Return the corrected poses (n, 3) of a recording's scans; None if some are not yet added."""
         part = self._parts.get(id(recording))
         if part is None or part.corrector is None or int(recording.numbers[-1]) > part.newest:
             return None
@@ -130,6 +131,6 @@ class PoseCorrection:
         return np.asarray(part.corrector.poses[rows], dtype=np.float64)
 
     def corrector_of(self, recording: Recording) -> Corrector | None:
-        """Return the corrector of a recording; None where there is none yet."""
+        """Return the corrector of a recording; None if there is none yet."""
         part = self._parts.get(id(recording))
         return None if part is None else part.corrector

@@ -1,4 +1,4 @@
-"""The scans of a live world so far, as a log that can be mapped again."""
+"""Recording of the scans of a live world, as a log that can be mapped again."""
 
 from __future__ import annotations
 
@@ -14,24 +14,23 @@ from mapper.simulation.faults import with_lengthened
 from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 
 CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 13 MB with 360 beams
-FIRST_ROWS = 64  # scans that the arrays hold at the start; they double
-PLACES = (0.5, 1.0, 2.0, 4.0, 8.0)  # metres: sides of the squares by which a full recording is thinned
-TURNS = 4  # headings that are distinguished in each square
+FIRST_ROWS = 64  # initial capacity in scans; it is doubled when full
+PLACES = (0.5, 1.0, 2.0, 4.0, 8.0)  # metres: sides of the squares used to thin a full recording
+TURNS = 4  # headings distinguished in each square
 
 
 class Recording:
     """Scans and poses of one sensor, in arrays that grow up to ``capacity`` scans.
 
-    Besides the true poses it holds those that odometry reported, and for each reading by how much polished walls
-    would have lengthened it: see :mod:`mapper.simulation.faults`.
+    Besides the true poses it holds those reported by odometry, and for each reading the length added by polished walls,
+    see :mod:`mapper.simulation.faults`.
 
     A full recording is thinned: of the scans taken in one place (a square of 0.5 m, one of four headings) only the
-    newest n are kept, with the largest n that frees half of the capacity; if even one scan of each place is too many,
-    the squares are enlarged. So the map of a recording covers every place that the robot has observed, and most scans
-    are dropped where the robot was most often, which the clamp
-    compensates. Scans keep their order. :attr:`generation` counts the thinnings:
-    while it is unchanged, a log of the recording extends the earlier log; when it changes, the map has to be
-    recomputed. Logs returned earlier are never modified.
+    newest n are kept, with the largest n that frees half of the capacity. If even one scan per place is too many, the
+    squares are enlarged. So the map of a recording covers every place that the robot has observed, and most scans are
+    dropped where the robot was most often, which the clamp compensates. Scans keep their order. :attr:`generation`
+    counts the thinnings: while it is unchanged, a log of the recording extends the earlier log; when it changes, the
+    map has to be recomputed. Logs returned earlier are never modified.
     """
 
     def __init__(
@@ -61,13 +60,13 @@ class Recording:
 
     @property
     def numbers(self) -> NDArray[np.int64]:
-        """Numbers of these scans among all that were appended (n,), from 0, ascending."""
+        """Indices (n,) of these scans among all that were appended, from 0, ascending."""
         return self._numbers[: self._n]
 
     def fits(self, sensor: SensorConfig) -> bool:
-        """Return whether scans of ``sensor`` can be appended: a log has one number and angle of beams and one range.
+        """Return whether scans of ``sensor`` can be appended: a log has one set of beams and one range.
 
-        Noise and scan rate may differ. Where it returns false a new recording has to begin.
+        Noise and scan rate may differ. If it returns false, a new recording has to be started.
         """
         mine = self.sensor
         return (sensor.n_readings, sensor.cone, sensor.field_of_view, sensor.range_max) == (
@@ -86,8 +85,8 @@ class Recording:
     ) -> None:
         """Add a scan and the base's pose ``T_map_base`` (3,) at it. Raises :class:`ConfigError` for a misfit.
 
-        ``odometry`` (3,) is that pose as the wheels report it, None for the true one; ``longer`` (n_beams,) are the
-        metres by which polished walls lengthen each reading, +inf for no return, None for none of them.
+        ``odometry`` (3,) is that pose as reported by the wheels, None for the true one; ``longer`` (n_beams,) are the
+        metres by which polished walls lengthen each reading, +inf for no return, None for no effect.
         """
         expected = (self.sensor.n_readings, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
         actual = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
@@ -113,17 +112,15 @@ class Recording:
         self._n += 1
 
     def reported(self, rows: slice, *, specular: bool) -> NDArray[np.float32]:
-        """Return readings (n, n_beams), with ``specular`` those that polished walls leave of them."""
+        """Return readings (n, n_beams), with ``specular`` as affected by polished walls."""
         ranges = self._ranges[rows]
         return with_lengthened(ranges, self._longer[rows], self.sensor.range_max) if specular else ranges
 
     def as_log(self, *, specular: bool = False, corrected: NDArray[np.float64] | None = None) -> ScanLog:
         """Return the recording so far as a log with the trajectories "true" and "odometry".
 
-        ``corrected`` (n, 3) are poses for a third one, "slam".
-
-        Its arrays are views and nothing is copied, except that with ``specular`` the readings are those that polished
-        walls leave.
+        ``corrected`` (n, 3) are poses for a third one, "slam". The log's arrays are views without copies, except for
+        the readings with ``specular``.
         """
         ranges = self.reported(slice(0, self._n), specular=specular)
         described = "Corrected by SLAM while the robot drives."
@@ -162,20 +159,20 @@ class Recording:
             places, group = np.unique(np.column_stack([square, heading]), axis=0, return_inverse=True)
             if len(places) <= room:
                 break
-        # How many newer scans each scan has in its own place: order by place, newest first, and count within it.
+        # Number of newer scans in the place of each scan: sort by place, newest first, and count within it.
         order = np.lexsort((-np.arange(self._n), group))
         starts = np.flatnonzero(np.diff(group[order], prepend=-1))
         newer = np.empty(self._n, dtype=np.int64)
         newer[order] = np.arange(self._n) - np.repeat(starts, np.diff([*starts, self._n]))
-        kept_with = np.cumsum(np.bincount(newer))  # scans that stay when n = index + 1
+        kept_with = np.cumsum(np.bincount(newer))  # number of scans kept for n = index + 1
         n = max(1, int(np.searchsorted(kept_with, room, side="right")))
-        keep = np.flatnonzero(newer < n)[-room:]  # all of them, except where no square was large enough
+        keep = np.flatnonzero(newer < n)[-room:]  # all of them, unless no square was large enough
         self._resize(keep, len(self._ranges))
         self._n = len(keep)
         self.generation += 1
 
     def _resize(self, keep: NDArray[np.int64], rows: int) -> None:
-        """Move the scans ``keep`` to the front of new arrays of ``rows`` rows; old arrays stay as they are."""
+        """Move the scans ``keep`` to the front of new arrays of ``rows`` rows; the old arrays are not modified."""
         for name in ("_ranges", "_longer", "_poses", "_odometry", "_stamps", "_numbers"):
             old = getattr(self, name)
             new = np.empty((rows, *old.shape[1:]), dtype=old.dtype)

@@ -1,4 +1,4 @@
-"""A round robot with a differential drive."""
+"""Round robot with a differential drive."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 PoseTuple = tuple[float, float, float]
 
-#: A hexagon around the robot of a simulation, whose radius is 0.2 m: corners in its frame, metres.
+#: A hexagon around the simulated robot of radius 0.2 m: corners in its frame, metres.
 HEXAGON = ((0.231, 0.0), (0.1155, 0.2), (-0.1155, 0.2), (-0.231, 0.0), (-0.1155, -0.2), (0.1155, -0.2))
 
 
 @dataclass(slots=True)
 class Robot:
-    """The state of a differential drive: pose ``T_map_base`` (x, y, yaw) and velocities, in m, rad, m/s and rad/s.
+    """State of a differential drive: pose ``T_map_base`` (x, y, yaw) and velocities, in m, rad, m/s and rad/s.
 
-    It turns about its centre and is a disc of ``radius`` metres, so a turn on the spot is always possible.
-    :mod:`mapper.simulation.textbook_driving` says how it moves.
+    It is a disc of ``radius`` metres that turns about its centre, so turning in place is always possible.
+    :mod:`mapper.simulation.textbook_driving` is the motion model.
     """
 
     pose: PoseTuple
@@ -24,5 +24,5 @@ class Robot:
     angular: float = 0.0
 
     def stop(self) -> None:
-        """Stop at once, without deceleration."""
+        """Stop immediately, without deceleration."""
         self.linear = self.angular = 0.0

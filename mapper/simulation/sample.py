@@ -1,4 +1,4 @@
-"""A log for visitors who have none: a simulated run through an office."""
+"""Sample log for visitors: a simulated run through an office."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ SAMPLE_SENSOR = SensorConfig(n_beams=360, range_max=8.0, range_noise=0.01, scan_
 
 
 def sample_log(n_scans: int = 600, world: str = "office", seed: int = 5) -> ScanLog:
-    """Return a simulated run of ``n_scans`` scans (600: four minutes): the same for the same arguments.
+    """Return a simulated run of ``n_scans`` scans (600: four minutes), deterministic for its arguments.
 
-    It has two trajectories: "true", and "odometry", which drifts as wheels do.
+    It has two trajectories: "true", and "odometry", with wheel drift.
     """
     simulation = Simulation(WORLDS[world], SAMPLE_SENSOR, seed)
     scans = simulation.advance((n_scans + 1) / SAMPLE_SENSOR.scan_rate)[:n_scans]

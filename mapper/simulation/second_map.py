@@ -1,4 +1,4 @@
-"""A second map of the same recording, with other parameters; and how both forget what was removed."""
+"""Second map of the same recording with other parameters, and how both maps forget removed objects."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from mapper.simulation.kernels.raycast import clearances
 from mapper.simulation.shapes import Polygon
 from mapper.simulation.worlds import World
 
-MOST = 0.9  #: share of the cells that have to be free: a cell that no beam crosses any more never changes
+MOST = 0.9  #: fraction of the cells that have to be free; cells that no beam crosses any more never change
 
 
 def cells_of(grid: OccupancyGrid, solids: Sequence[Polygon], reach: float) -> NDArray[np.intp]:
-    """Return the cells (n, 2), row and column, that the map holds occupied on ``solids`` or within ``reach`` metres."""
+    """Return the cells (n, 2), row and column, occupied in the map on ``solids`` or within ``reach`` metres."""
     if not solids:
         return np.empty((0, 2), dtype=np.intp)
     edges = [np.hstack([solid, np.roll(solid, -1, axis=0)]) for solid in solids]
@@ -36,10 +36,10 @@ def cells_of(grid: OccupancyGrid, solids: Sequence[Polygon], reach: float) -> ND
 
 @dataclass(slots=True)
 class Forgetting:
-    """Follows one map while it forgets: ``places`` (n, 2) are the centres of the cells to watch, metres, map frame.
+    """Tracks one map while it forgets: ``places`` (n, 2) are the centres of the watched cells, metres, map frame.
 
-    ``free`` is the share of them that the map holds free after each scan, :attr:`after` the number of scans until
-    :data:`MOST` of them were. Raises :class:`ConfigError` where there is nothing to forget.
+    ``free`` is the fraction of them that are free in the map after each scan, :attr:`after` the number of scans until
+    :data:`MOST` of them were. Raises :class:`ConfigError` if there is nothing to forget.
     """
 
     places: NDArray[np.float64]
@@ -52,43 +52,43 @@ class Forgetting:
             )
 
     def look(self, grid: OccupancyGrid) -> None:
-        """Record the share of free cells after one more scan."""
+        """Record the fraction of free cells after one more scan."""
         rows, cols = np.moveaxis(grid.geometry.world_to_cell(self.places), -1, 0)
         self.free.append(float(np.mean(probability(grid.log_odds[rows, cols]) < FREE_THRESHOLD)))
 
     @property
     def after(self) -> int | None:
-        """Scans until the map had forgotten, None while it has not."""
+        """Number of scans until the map had forgotten; None if it has not."""
         return next((n for n, share in enumerate(self.free, 1) if share >= MOST), None)
 
 
 @dataclass(slots=True)
 class SecondMap:
-    """A map with other ``values`` than the first, of true poses and readings, or ``with_faults`` of the first."""
+    """A map with other ``values`` than the first, from true poses and readings, or ``with_faults`` of the first."""
 
     values: dict[str, Any]
     with_faults: bool
     config: MappingConfig
     grid: OccupancyGrid
-    box: CellBox | None = None  #: what changed since the last call of :meth:`changed`; None: nothing
+    box: CellBox | None = None  #: box changed since the last call of :meth:`changed`; None: nothing
     is_new: bool = True  #: whether everything may have changed since then
 
     def config_for(self, config: MappingConfig) -> MappingConfig:
-        """Return this map's parameters when the first one's are ``config``. Raises as ``with_values`` does."""
+        """Return this map's parameters for the first map's ``config``. Raises the errors of ``with_values``."""
         return config.with_values(self.values)
 
     def begin(self, config: MappingConfig, grid: OccupancyGrid) -> None:
-        """Go on with a map that was made again."""
+        """Continue with a recomputed map."""
         self.config, self.grid, self.is_new = config, grid, True
 
     def add(self, change: Change) -> None:
-        """Take up what a scan changed."""
+        """Merge the change of a scan."""
         self.is_new |= change.geometry_changed
         if change.box is not None:
             self.box = change.box if self.box is None else self.box | change.box
 
     def changed(self) -> tuple[bool, CellBox | None]:
-        """Return whether all, and else which box, changed since the last call."""
+        """Return whether everything, and otherwise which box, changed since the last call."""
         result = (self.is_new, self.box)
         self.is_new, self.box = False, None
         return result
@@ -96,7 +96,7 @@ class SecondMap:
 
 @dataclass(slots=True)
 class Vanishing:
-    """Two maps, one clamped and one not, while they forget the same thing."""
+    """Two maps, one clamped and one not, while they forget the same object."""
 
     clamped_first: bool  #: whether the session's own map is the clamped one
     first: Forgetting
@@ -104,12 +104,14 @@ class Vanishing:
 
     @classmethod
     def of(cls, grid: OccupancyGrid, config: MappingConfig, before: World, after: World) -> Vanishing:
-        """Begin to watch the cells of what ``after`` lacks. Raises :class:`ConfigError` where the map holds none."""
+        """Start watching the cells of the solids missing in ``after``. Raises :class:`ConfigError` if the map has
+        none.
+        """
         cells = cells_of(grid, gone(before, after), config.resolution + 0.5 * config.window)
         places = grid.geometry.cell_to_world(cells).reshape(-1, 2)
         return cls(config.clamp, Forgetting(places), Forgetting(places))
 
     def look(self, first: OccupancyGrid, second: OccupancyGrid) -> None:
-        """Record the share of free cells of both maps after one more scan."""
+        """Record the fraction of free cells of both maps after one more scan."""
         self.first.look(first)
         self.second.look(second)

@@ -1,4 +1,4 @@
-"""The simulated sensors that measure in three dimensions, lidars and a depth camera, and the world they measure."""
+"""Simulated 3D sensors, lidars and a depth camera, and the world they measure."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from mapper.simulation.worlds import World
 
 @dataclass(frozen=True, slots=True)
 class Sensor3D:
-    """One value for each row of :data:`SENSOR_3D_PARAMETERS`; each field states its unit and meaning.
+    """Values of all rows of :data:`SENSOR_3D_PARAMETERS`; each field states its unit and meaning.
 
-    Raises :class:`ConfigError` naming the field that is refused.
+    Raises :class:`ConfigError` naming the invalid field.
     """
 
     # fmt: off
@@ -86,23 +86,25 @@ class Sensor3D:
             object.__setattr__(self, name, int(value))
 
     def with_values(self, values: Mapping[str, Any]) -> Sensor3D:
-        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
+        """Return a copy with some values replaced. Raise :class:`ConfigError` for an unknown name or an invalid
+        value.
+        """
         return with_values(self, values, "parameter of the 3D sensor")
 
     @property
     def directions(self) -> Float64Array:
-        """Directions (n, 3) of the beams in the sensor's frame, x forward, y left, z up, of length 1."""
+        """Unit directions (n, 3) of the beams in the sensor's frame, x forward, y left, z up."""
         return _DIRECTIONS[self.sensor](self)
 
     @property
     def mount(self) -> Float64Array:
-        """``T_base_sensor`` (4, 4): above the robot's centre, the axis of a tilted sensor below the horizon."""
+        """``T_base_sensor`` (4, 4): above the robot's centre, with the axis of a tilted sensor below the horizon."""
         pitch = 0.0 if self.sensor == "spinning_lidar" else self.tilt
         return from_euler((0.0, 0.0, self.mount_height), 0.0, pitch, 0.0)
 
 
 SENSOR_3D_PARAMETERS = table_of(Sensor3D)
-#: Rotation from the optical frame (x right, y down, z ahead) to a sensor's frame (x ahead, y left, z up), REP 103.
+#: Rotation from the optical frame (x right, y down, z forward) to a sensor's frame (x forward, y left, z up), REP 103.
 SENSOR_OF_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
@@ -125,14 +127,14 @@ def _tilted(sensor: Sensor3D) -> Float64Array:
 
 
 def _camera(sensor: Sensor3D) -> Intrinsics:
-    """Return the pinhole model of a depth camera with square pixels, whose axis passes the middle of the image."""
+    """Return the pinhole model of a depth camera with square pixels and a centred optical axis."""
     columns, rows = sensor.columns, sensor.columns * 3 // 4
     focal = 0.5 * columns / math.tan(0.5 * sensor.view)
     return Intrinsics(columns, rows, focal, focal, 0.5 * (columns - 1), 0.5 * (rows - 1))
 
 
 def _pixels(sensor: Sensor3D) -> Float64Array:
-    """Return the rays of the pixels of the depth camera, row after row."""
+    """Return the rays of the depth camera's pixels in row-major order."""
     camera = _camera(sensor)
     left = -(np.arange(camera.width) - camera.cx) / camera.fx
     up = -(np.arange(camera.height) - camera.cy) / camera.fy
@@ -148,9 +150,9 @@ _DIRECTIONS: Mapping[str, Callable[[Sensor3D], Float64Array]] = MappingProxyType
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan3D:
-    """Readings of a 3D sensor: ``ranges`` (n,) metres along its beams, +inf for no return, and when.
+    """Readings of a 3D sensor: ``ranges`` (n,) metres along its beams, +inf for no return, and the time.
 
-    ``pose`` (x, y, yaw) is the base's ``T_map_base`` at it, as the map takes it to be.
+    ``pose`` (x, y, yaw) is the base's believed ``T_map_base``.
     """
 
     sensor: Sensor3D
@@ -159,16 +161,16 @@ class Scan3D:
     stamp_s: float
 
     def ends(self) -> tuple[Float64Array, Float64Array]:
-        """Return the ends (n, 3) of the beams in the map frame and where the sensor was (3,), metres.
+        """Return the ends (n, 3) of the beams in the map frame and the sensor position (3,), metres.
 
-        A beam without a return ends a tenth beyond the sensor's range.
+        A beam without a return ends at 1.1 times the sensor's range.
         """
         pose = sensor_pose(self.sensor, self.pose)
         reached = np.where(np.isfinite(self.ranges), self.ranges, 1.1 * self.sensor.reach)
         return self.sensor.directions * reached[:, None] @ pose[:3, :3].T + pose[:3, 3], pose[:3, 3]
 
     def depth_image(self) -> DepthImage | None:
-        """Return what a depth camera measured, 0 where nothing returned; None of another sensor."""
+        """Return the image of a depth camera, 0 for no return; None for another sensor."""
         if self.sensor.sensor != "depth_camera":
             return None
         camera, pose = _camera(self.sensor), sensor_pose(self.sensor, self.pose)
@@ -179,16 +181,16 @@ class Scan3D:
 
 
 def sensor_pose(sensor: Sensor3D, base_pose: ArrayLike) -> Float64Array:
-    """Return ``T_map_sensor`` (4, 4) of a robot at ``base_pose`` (x, y, yaw) on the ground."""
+    """Return ``T_map_sensor`` (4, 4) for a robot at ``base_pose`` (x, y, yaw) on the ground."""
     x, y, yaw = (float(v) for v in np.asarray(base_pose, dtype=np.float64))
     return np.asarray(from_euler((x, y, 0.0), 0.0, 0.0, yaw) @ sensor.mount)
 
 
 def measure_3d(world: World, sensor: Sensor3D, base_pose: ArrayLike, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Return the ranges (n,) that the sensor of a robot at ``base_pose`` (3,), ``T_map_base``, reports at one instant.
+    """Return the ranges (n,) reported by the sensor of a robot at ``base_pose`` (3,), ``T_map_base``, at one instant.
 
-    Noise is that of :func:`mapper.simulation.lidar.measure`: Gaussian with σ = ``noise`` along the beam, no reading
-    below :data:`RANGE_MIN`, +inf beyond ``reach``. A depth camera reports the distance along the ray of a pixel here.
+    The noise is that of :func:`mapper.simulation.lidar.measure`: Gaussian with σ = ``noise`` along the beam, no reading
+    below :data:`RANGE_MIN`, +inf beyond ``reach``. For a depth camera these are distances along the rays of the pixels.
     """
     pose = sensor_pose(sensor, base_pose)
     directions = sensor.directions
@@ -199,11 +201,11 @@ def measure_3d(world: World, sensor: Sensor3D, base_pose: ArrayLike, rng: np.ran
 
 
 WALL_HEIGHT = 2.2  #: metres: of the walls of all worlds
-FURNITURE_HEIGHT = 0.75  #: metres: of solids that are no walls
+FURNITURE_HEIGHT = 0.75  #: metres: of solids that are not walls
 
 
 def prisms(world: World) -> Iterator[tuple[Polygon, float, tuple[float, float, float]]]:
-    """Yield outline, bottom and top of everything solid: the solids from the ground up, then the blocks."""
+    """Yield outline, bottom and top of all solids: first those that stand on the ground, then the blocks."""
     for solid in world.solids:
         yield solid, 0.0, (FURNITURE_HEIGHT if is_furniture(solid) else WALL_HEIGHT, 0.0, 0.0)
     for block in world.blocks:
@@ -212,7 +214,7 @@ def prisms(world: World) -> Iterator[tuple[Polygon, float, tuple[float, float, f
 
 @lru_cache(maxsize=16)
 def space_of(world: World) -> Space:
-    """Return the solids of a world as kernels take them; computed once for each world."""
+    """Return the solids of a world in the form that the kernels use, computed once per world."""
     edges, boxes, tops, first = [], [], [], [0]
     for outline, bottom, (a, b, c) in prisms(world):
         edges.append(np.hstack([outline, np.roll(outline, -1, axis=0)]))
@@ -229,10 +231,10 @@ def space_of(world: World) -> Space:
 
 
 def cast(world: World, origin: ArrayLike, directions: ArrayLike, range_max: float) -> Float64Array:
-    """Return the distance (n,), metres, from ``origin`` (3,) along ``directions`` (n, 3) of length 1 to a surface.
+    """Return the distance (n,), metres, from ``origin`` (3,) along unit ``directions`` (n, 3) to a surface.
 
-    Map frame; +inf where a ray meets nothing within ``range_max`` metres. Raises :class:`ConfigError` for other shapes
-    and lengths.
+    Map frame; +inf if a ray hits nothing within ``range_max`` metres. Raises :class:`ConfigError` for other shapes and
+    lengths.
     """
     start = np.ascontiguousarray(origin, dtype=np.float64)
     away = np.ascontiguousarray(directions, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""The live world: a robot with a lidar in a world, and time."""
+"""Live world: a robot with a lidar in a world, and time."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import World
 
-DRIVE_SECONDS = 0.5  #: for how long a velocity given by hand holds
+DRIVE_SECONDS = 0.5  #: duration of a manual velocity command
 ROBOT_RADIUS = 0.2  #: metres
 
 
 @dataclass(frozen=True, slots=True)
 class Teleport:
-    """Result of a teleport: ``pose`` (x, y, yaw), whether it had to be ``moved``, and one sentence on it."""
+    """Result of a teleport: ``pose`` (x, y, yaw), whether it had to be ``moved``, and a message."""
 
     pose: PoseTuple
     moved: bool
@@ -34,9 +34,9 @@ class Teleport:
 class Simulation:
     """A world, a robot in it, its lidar and a clock, which only :meth:`advance` moves.
 
-    The same world, sensor, seed and calls give the same scans. Noise and wandering have a random generator each, so
-    a change of the sensor does not change the path. ``mount`` is ``T_base_laser``: metres, metres, radians.
-    Not for use from two threads at once.
+    The same world, sensor, seed and calls produce the same scans. Noise and exploration have separate random
+    generators, so a change of the sensor does not change the path. ``mount`` is ``T_base_laser``: metres, metres,
+    radians. Not thread-safe.
     """
 
     def __init__(
@@ -58,12 +58,12 @@ class Simulation:
         self.mount = mount
         self.radius = radius
         self._steps = 0
-        self._rest = 0.0  # seconds that no whole step has taken up yet
+        self._rest = 0.0  # seconds not yet covered by a whole step
         self._auto = True
         self._drive = (0.0, 0.0)
         self._drive_until = 0.0
         self._control = (0.0, 0.0)
-        self._next_scan = STEP  # the first scan comes at once
+        self._next_scan = STEP  # the first scan is taken immediately
         self.world = world
         self.robot = Robot(world.start, radius)
         self.explorer = Explorer(world, self._wander)
@@ -71,17 +71,17 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Seconds since the simulation began."""
+        """Seconds since the start of the simulation."""
         return self._steps * STEP + self._rest
 
     @property
     def steps(self) -> int:
-        """Whole physics steps of :data:`STEP` seconds since the simulation began."""
+        """Whole physics steps of :data:`STEP` seconds since the start of the simulation."""
         return self._steps
 
     @property
     def pose(self) -> PoseTuple:
-        """``T_map_base`` now: x, y, yaw. Between two physics steps it is interpolated, so that motion looks even."""
+        """``T_map_base`` now: x, y, yaw; interpolated between physics steps, so that motion looks smooth."""
         share = self._rest / STEP
         (x0, y0, yaw0), (x1, y1, yaw1) = self._before, self.robot.pose
         turn = math.remainder(yaw1 - yaw0, 2.0 * math.pi)
@@ -95,7 +95,7 @@ class Simulation:
 
     @property
     def auto(self) -> bool:
-        """Whether the robot drives by itself."""
+        """Whether the robot drives autonomously."""
         return self._auto
 
     @auto.setter
@@ -106,7 +106,7 @@ class Simulation:
         self._drive = self._control = (0.0, 0.0)
 
     def advance(self, dt: float) -> list[tuple[LaserScan, PoseTuple]]:
-        """Let ``dt`` seconds pass; return the scans taken meanwhile, each with the base's pose ``T_map_base`` at it.
+        """Advance by ``dt`` seconds; return the scans taken meanwhile, each with the base's pose ``T_map_base``.
 
         Raises :class:`ConfigError` for a time that is negative or not finite.
         """
@@ -127,7 +127,7 @@ class Simulation:
         return scans
 
     def _drive_on(self, most: int) -> int:
-        """Take some physics steps, at least one and at most ``most``; return their number."""
+        """Take at least one and at most ``most`` physics steps; return their number."""
         now = self._steps * STEP
         if not self._auto:
             self._control = self._drive if now < self._drive_until else (0.0, 0.0)
@@ -137,7 +137,7 @@ class Simulation:
             self.explorer.plan(self.robot, now)
             if len(self.explorer.path):
                 return self._move(most, driving.PATH)
-            self._control = (0.0, 0.6)  # no goal: turn on the spot
+            self._control = (0.0, 0.6)  # no goal: turn in place
             return self._move(1, driving.VELOCITIES)
         return done
 
@@ -167,7 +167,8 @@ class Simulation:
         return measure(self.world, self.sensor, laser, self._noise, round(now * 1e9)), pose
 
     def drive(self, linear: float, angular: float) -> None:
-        """Drive by hand for :data:`DRIVE_SECONDS`: m/s forward, rad/s counter-clockwise, cut to what the robot can do.
+        """Drive manually for :data:`DRIVE_SECONDS`: m/s forward, rad/s counter-clockwise, limited to the robot's
+        maxima.
 
         Switches :attr:`auto` off. Raises :class:`ConfigError` for a velocity that is not finite.
         """
@@ -178,10 +179,10 @@ class Simulation:
         self._drive_until = self._steps * STEP + DRIVE_SECONDS
 
     def teleport(self, x: float, y: float, yaw: float | None = None) -> Teleport:
-        """Put the robot at (x, y) metres, facing ``yaw`` radians (None: as before), standing still.
+        """Place the robot at (x, y) metres, facing ``yaw`` radians (None: unchanged), at rest.
 
-        Where it does not fit it is put at the nearest free place, and the message says so. Raises
-        :class:`ConfigError` for a place or a heading that is not finite.
+        If it does not fit, it is placed at the nearest free position, and the message says so. Raises
+        :class:`ConfigError` for a position or a heading that is not finite.
         """
         if not all(math.isfinite(v) for v in (x, y, 0.0 if yaw is None else yaw)):
             raise ConfigError("simulation.teleport", f"A teleport needs finite numbers, not {x!r}, {y!r}, {yaw!r}.")
@@ -199,7 +200,7 @@ class Simulation:
     def _landing(self, x: float, y: float, pose: PoseTuple) -> str:
         clearance = float(self.world.clearance((x, y)))
         away = math.hypot(pose[0] - x, pose[1] - y)
-        # Two digits, unless the place asked for is extremely far away.
+        # Two digits, unless the requested position is extremely far away.
         distance = f"{away:.2f}" if away < 1e4 else f"{away:.3g}"
         why = (
             "Outside the map" if np.isneginf(clearance) else "Inside a wall" if clearance <= 0.0 else "Too tight there"
@@ -207,15 +208,15 @@ class Simulation:
         return f"{why}, so the robot moved to the nearest free spot, {distance} m away."
 
     def set_sensor(self, sensor: SensorConfig) -> None:
-        """Exchange the lidar; the next scan comes from the new one."""
+        """Replace the lidar; the next scan comes from the new one."""
         self.sensor = sensor
         self._next_scan = min(self._next_scan, self._steps * STEP + 1.0 / sensor.scan_rate)
 
     def alter_world(self, world: World) -> bool:
-        """Exchange the world for one of the same bounds around the robot, which stays where it is if it still fits.
+        """Replace the world by one with the same bounds; the robot stays in place if it still fits.
 
-        Return whether it had to move, to the nearest free place. Raises :class:`ConfigError` for other bounds and for
-        a world in which the robot fits nowhere; nothing has changed then.
+        Return whether it had to be moved to the nearest free position. Raises :class:`ConfigError` for other bounds and
+        for a world in which the robot fits nowhere; nothing has changed then.
         """
         if world.bounds != self.world.bounds:
             raise ConfigError("simulation.bounds", "A changed world must keep its bounds.")

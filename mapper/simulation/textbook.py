@@ -1,7 +1,7 @@
-"""Rays, beams and relaxed paths in plain NumPy: the kernels must return the same.
+"""Ray casts, beams and path relaxation in plain NumPy; the kernels must return the same.
 
-A ray p = o + t·d meets a flat face where n · (o + t·d) = n · v, with n the face's normal and v one of its corners, if
-that point is inside the face; for this test the coordinate along which n is greatest is left out.
+A ray p = o + t·d hits a flat face where n · (o + t·d) = n · v, with n the face's normal and v one of its corners, if
+that point is inside the face; for this test the coordinate with the largest component of n is dropped.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from mapper.simulation.worlds import World
 
 
 def prism_faces(outline: Polygon, bottom: float, top: tuple[float, float, float]) -> list[Float64Array]:
-    """Return bottom, top and sides of a prism as polygons (n, 3) in space, counter-clockwise seen from outside."""
+    """Return bottom, top and sides of a prism as 3D polygons (n, 3), counter-clockwise seen from outside."""
     a, b, c = top
     low = np.column_stack([outline, np.full(len(outline), bottom)])
     high = np.column_stack([outline, a + outline @ (b, c)])
@@ -30,7 +30,7 @@ def prism_faces(outline: Polygon, bottom: float, top: tuple[float, float, float]
 
 
 def normal_of(face: Float64Array) -> Float64Array:
-    """Return a normal (3,) of a flat polygon (n, 3), twice its area long (Newell's method)."""
+    """Return the normal (3,) of a flat polygon (n, 3), with a length of twice its area (Newell's method)."""
     total = np.zeros(3)
     for here, there in zip(face, np.roll(face, -1, axis=0), strict=True):
         total += np.cross(here, there)
@@ -47,7 +47,7 @@ def is_inside(polygon: Float64Array, point: Float64Array) -> bool:
 
 
 def distance_to_face(face: Float64Array, origin: Float64Array, direction: Float64Array) -> float:
-    """Return how far a ray goes to a flat polygon (n, 3), infinite where it misses it."""
+    """Return the distance along a ray to a flat polygon (n, 3), infinite if it misses."""
     normal = normal_of(face)
     towards = float(normal @ direction)
     if towards == 0.0:
@@ -59,17 +59,17 @@ def distance_to_face(face: Float64Array, origin: Float64Array, direction: Float6
 
 
 def cast_ray(faces: Iterable[Float64Array], origin: Float64Array, direction: Float64Array, range_max: float) -> float:
-    """Return how far a ray goes to the nearest of some faces or to the ground z = 0, infinite beyond ``range_max``."""
+    """Return the distance along a ray to the nearest face or the ground z = 0, infinite beyond ``range_max``."""
     ground = -origin[2] / direction[2] if direction[2] < 0.0 <= origin[2] else math.inf
     nearest = min([ground, *(distance_to_face(face, origin, direction) for face in faces)])
     return nearest if nearest <= range_max else math.inf
 
 
 def relaxed(world: World, path: Float64Array, least: float, rounds: int) -> Float64Array:
-    """Return ``path`` (n, 2), metres, with its corners relaxed, its ends as they are.
+    """Return ``path`` (n, 2), metres, with relaxed corners and fixed ends.
 
-    ``rounds`` times each point moves half of the way to the middle of its neighbours, unless its clearance there is
-    less than ``least`` metres and less than it was at first: Laplacian smoothing with a constraint.
+    In each of ``rounds`` rounds each point moves halfway to the midpoint of its neighbours, unless its clearance there
+    is less than both ``least`` metres and its initial value: Laplacian smoothing with a constraint.
     """
     path = path.copy()
     floor = np.minimum(world.clearance(path), least)
@@ -82,10 +82,10 @@ def relaxed(world: World, path: Float64Array, least: float, rounds: int) -> Floa
 
 
 def cast_beams(segments: Float64Array, x: float, y: float, bearings: Float64Array, range_max: float) -> Float64Array:
-    """Return how far each beam (n,) goes from (x, y) to the nearest of all edges, +inf beyond ``range_max`` metres.
+    """Return the distance of each beam (n,) from (x, y) to the nearest edge, +inf beyond ``range_max`` metres.
 
-    ``segments`` (m, 4) as in :mod:`mapper.simulation.kernels.raycast`; ``bearings`` (n,) radians, map frame. Every
-    beam is tried against every edge: a + u·e = t·d (O'Rourke, Computational Geometry in C, section 7.2).
+    ``segments`` (m, 4) as in :mod:`mapper.simulation.kernels.raycast`; ``bearings`` (n,) radians, map frame. Every beam
+    is intersected with every edge: a + u·e = t·d (O'Rourke, Computational Geometry in C, section 7.2).
     """
     ax, ay = segments[:, 0] - x, segments[:, 1] - y
     ex, ey = segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]
@@ -100,9 +100,10 @@ def cast_beams(segments: Float64Array, x: float, y: float, bearings: Float64Arra
 
 
 def noisy(ranges: Float64Array, noise: Float64Array, sigma: float, range_max: float) -> NDArray[np.float32]:
-    """Return the readings of ``ranges`` (n,), metres, with ``sigma`` metres times ``noise`` (n,), as a lidar reports.
+    """Return the readings of ``ranges`` (n,), metres, with ``sigma`` metres times ``noise`` (n,), as reported by a
+    lidar.
 
-    None is below RANGE_MIN; one beyond ``range_max`` is +inf.
+    None is below RANGE_MIN; readings beyond ``range_max`` are +inf.
     """
     readings = np.maximum(ranges + sigma * noise, RANGE_MIN).astype(np.float32)
     readings[readings > range_max] = np.inf

@@ -1,7 +1,7 @@
-"""The motion of the simulated robot in plain Python: the kernel must do the same, to the last bit.
+"""Motion of the simulated robot in plain Python; the kernel must be identical to the last bit.
 
-The motion of a differential drive: Probabilistic Robotics, section 5.3.3, with the arc replaced by its chord. The
-steering: pure pursuit (Coulter 1992), slower between walls, and less where the next half second would touch one.
+The motion of a differential drive: Probabilistic Robotics, section 5.3.3, with the arc replaced by its chord. Steering:
+pure pursuit (Coulter 1992), slower between walls, and reduced if the next half second would touch one.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ Pose = tuple[float, float, float]
 
 @dataclass(slots=True)
 class Drive:
-    """The state of a robot of ``radius`` metres among the walls ``segments`` (n, 4): x0, y0, x1, y1, metres.
+    """State of a robot of ``radius`` metres among the walls ``segments`` (n, 4): x0, y0, x1, y1, metres.
 
-    ``path`` (n, 2), metres, is what is left of its path; ``pose`` and ``before`` are ``T_map_base`` (m, m, rad) now and
-    a step ago; ``linear`` (m/s) and ``angular`` (rad/s) are its velocities, ``wanted`` the commanded ones; ``progress``
-    (m, m, s) is the place and the time of its last progress.
+    ``path`` (n, 2), metres, is the remaining path; ``pose`` and ``before`` are ``T_map_base`` (m, m, rad) now and a
+    step ago; ``linear`` (m/s) and ``angular`` (rad/s) are its velocities, ``wanted`` the commanded ones; ``progress``
+    (m, m, s) is the position and time of its last progress.
     """
 
     segments: Float64Array
@@ -61,7 +61,7 @@ class Drive:
     progress: tuple[float, float, float]
 
     def drive(self, steps: int, count: int, next_scan: float, *, planned: bool, given: bool) -> int:
-        """Take physics steps, as :func:`mapper.simulation.kernels.driving.drive`.
+        """Take physics steps like :func:`mapper.simulation.kernels.driving.drive`.
 
         At the first one the path is new if ``planned``, and the velocities are known if ``given``.
         """
@@ -77,10 +77,10 @@ class Drive:
         return count
 
     def step(self) -> None:
-        """Move for :data:`STEP` seconds towards the commanded velocities, as fast as the accelerations allow.
+        """Move for :data:`STEP` seconds towards the commanded velocities, within the acceleration limits.
 
-        Where the motion would touch a wall the robot slides along it, and where it cannot slide it stops: its
-        centre never comes nearer than ``radius`` to anything solid.
+        If the motion would touch a wall the robot slides along it, or stops if it cannot slide: its centre is never
+        nearer than ``radius`` to a solid.
         """
         linear, angular = self.wanted
         slowing = abs(linear) < abs(self.linear) or linear * self.linear < 0.0
@@ -97,11 +97,11 @@ class Drive:
         self.pose = (to_x, to_y, math.remainder(yaw + self.angular * STEP, 2.0 * math.pi))
 
     def _kept_free(self, x: float, y: float, to_x: float, to_y: float) -> tuple[float, float, bool]:
-        """Return a place near (to_x, to_y) where the robot fits, and whether a wall blocked the motion."""
+        """Return a position near (to_x, to_y) where the robot fits, and whether a wall blocked the motion."""
         least = self.radius + SKIN
         nearest = np.zeros(2)
         touched = False
-        for _ in range(3):  # a corner has two walls; a place that three corrections do not free is too tight
+        for _ in range(3):  # a corner has two walls; a position that three corrections do not free is too tight
             clearance = nearest_edge(self.segments, to_x, to_y, nearest)
             if clearance >= least:
                 return to_x, to_y, touched
@@ -128,7 +128,7 @@ class Drive:
         return len(self.path) < GOAL_POINTS and math.hypot(end_x - x, end_y - y) < ARRIVED
 
     def velocities(self) -> tuple[float, float]:
-        """Return the linear and angular velocity, m/s and rad/s, with which the robot follows its path."""
+        """Return the linear and angular velocity, m/s and rad/s, for following the path."""
         x, y, yaw = self.pose
         target_x, target_y = self._target()
         bearing = math.remainder(math.atan2(target_y - y, target_x - x) - yaw, 2.0 * math.pi)

@@ -1,4 +1,4 @@
-"""A world: the solids of one floor, with clearance and nearest free places."""
+"""World: the solids of one floor, with clearance and nearest free positions."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from mapper.simulation.blocks import Block
 from mapper.simulation.kernels.raycast import clearances
 
 LATTICE_STEP = 0.1  #: metres between the points of a world's clearance lattice
-BLOCK = 8  # cells along the side of the blocks in which the lattice is computed
-CANDIDATES = 16  # places that nearest_free() tries to improve
-FINER = 60  # points of its finer lattice between the wanted place and the one found first
+BLOCK = 8  # cells per side of the blocks in which the lattice is computed
+CANDIDATES = 16  # positions that nearest_free() refines
+FINER = 60  # points of its finer lattice between the target and the first result
 TOUCH = 1e-3  # metres: a point nearer to a wall than this is not free
 LASER_HEIGHT = 0.3  #: metres: the plane of the lidar and the sonars
-ROBOT_HEIGHT = 0.5  #: metres: what is higher does not stop the robot,
-STEP_HEIGHT = 0.03  #: and neither does what is lower than this
+ROBOT_HEIGHT = 0.5  #: metres: higher solids do not stop the robot,
+STEP_HEIGHT = 0.03  #: nor do solids lower than this
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class World:
     """Solid polygons inside a closed outer wall.
 
-    ``bounds`` is (x_min, y_min, x_max, y_max) in metres, map frame, the outer face of the outer wall; ``solids`` are
+    ``bounds`` is (x_min, y_min, x_max, y_max) in metres, map frame, the outer face of the outer wall. ``solids`` are
     polygons (n, 2), n ≥ 3, simple but not necessarily convex, which may overlap; they are stored counter-clockwise, and
-    stand in the way of the lidar and of the robot. ``blocks`` are solids with heights of their own, such as a low table
-    or a lintel. ``start`` is the pose (x, y, yaw) at which a robot begins. ``segments`` (n, 4) are the edges
-    ``(ax, ay, bx, by)`` of all that stops the robot, ``seen`` (n, 4) those in the plane of the lidar, at
-    :data:`LASER_HEIGHT`. Raises :class:`ConfigError` for a polygon that is not one, or bounds that are empty.
+    are obstacles for the lidar and the robot. ``blocks`` are solids with individual heights, such as a low table or a
+    lintel. ``start`` is the initial pose (x, y, yaw) of a robot. ``segments`` (n, 4) are the edges ``(ax, ay, bx, by)``
+    of everything that stops the robot, ``seen`` (n, 4) those in the plane of the lidar, at :data:`LASER_HEIGHT`. Raises
+    :class:`ConfigError` for an invalid polygon or empty bounds.
     """
 
     name: str
@@ -63,18 +63,18 @@ class World:
 
     @property
     def sections(self) -> tuple[Float64Array, ...]:
-        """The outlines of the blocks in the plane of the lidar, polygons (n, 2)."""
+        """The cross-sections of the blocks in the plane of the lidar, polygons (n, 2)."""
         polygons = [block.section(LASER_HEIGHT) for block in self.blocks]
         return tuple(section for section in polygons if section is not None)
 
     def in_laser_plane(self) -> World:
-        """Return the world as the lidar sees it: sections of the blocks as solids."""
+        """Return the world as seen by the lidar, with cross-sections of the blocks as solids."""
         return replace(self, solids=(*self.solids, *self.sections), blocks=()) if self.blocks else self
 
     def clearance(self, points_xy: ArrayLike) -> Float64Array:
-        """Return how far each point (..., 2), metres, is from the nearest solid (...): negative inside one.
+        """Return the distance of each point (..., 2), metres, from the nearest solid (...), negative inside one.
 
-        Outside the bounds it is −inf: no place there is free.
+        Outside the bounds it is −inf, because no position there is free.
         """
         points = np.asarray(points_xy, dtype=np.float64)
         flat = np.ascontiguousarray(points.reshape(-1, 2))
@@ -85,14 +85,15 @@ class World:
         return np.where(inside, out, -np.inf).reshape(points.shape[:-1])
 
     def is_free(self, xy: ArrayLike, radius: float = 0.0) -> bool:
-        """Return whether a disc of ``radius`` metres at ``xy`` (2,) meets nothing solid and is within the bounds."""
+        """Return whether a disc of ``radius`` metres at ``xy`` (2,) touches no solid and is within the bounds."""
         return bool(self.clearance(xy) >= radius) if radius > 0.0 else bool(self.clearance(xy) > 0.0)
 
     def nearest_free(self, xy: ArrayLike, radius: float = 0.0) -> Float64Array:
-        """Return the place (2,) nearest to ``xy`` (2,) where a disc of ``radius`` metres is free: ``xy`` if it is.
+        """Return the position (2,) nearest to ``xy`` (2,) at which a disc of ``radius`` metres is free: ``xy`` if it
+        is.
 
-        Exact to about a fiftieth of the distance to it, or 2 mm. Raises :class:`ConfigError` for a point that is not
-        finite, and for a world that has no such place.
+        The distance is exact to about a fiftieth, or 2 mm. Raises :class:`ConfigError` for a point that is not finite,
+        and for a world without such a position.
         """
         target = np.asarray(xy, dtype=np.float64)
         if target.shape != (2,) or not np.isfinite(target).all():
@@ -101,7 +102,7 @@ class World:
             )
         if self.is_free(target, radius):
             return target
-        # From a place far outside every free point is about as far: its nearest place in the bounds decides.
+        # From far outside all free points are about equally far, so the nearest position within the bounds decides.
         target = np.clip(target, self.bounds[:2], self.bounds[2:])
         lattice = clearance_lattice(self)
         free = np.argwhere(lattice.clearance >= max(radius, TOUCH))
@@ -110,11 +111,11 @@ class World:
         points = lattice.geometry.cell_to_world(free)
         nearest = self._improved(points, target, radius)
         gap = float(np.hypot(*(nearest - target)))
-        # Clearance is 1-Lipschitz: no free place is nearer than the clearance that is lacking here.
+        # Clearance is 1-Lipschitz, so no free position is nearer than the clearance missing here.
         lacking = max(radius, TOUCH) - float(self.clearance(target))
         if np.isfinite(lacking) and gap - lacking <= max(gap / FINER, 2.0 * TOUCH):
             return nearest
-        # The lattice may have missed a narrow place that is nearer: a finer one over all that is nearer finds it.
+        # The lattice may have missed a nearer narrow position, which a finer lattice over the nearer area finds.
         offsets = np.linspace(-gap, gap, 2 * FINER + 1)
         nearer = target + np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
         nearer = nearer[np.hypot(*(nearer - target).T) < gap]
@@ -122,7 +123,9 @@ class World:
         return self._improved(np.vstack([nearer, nearest]), target, radius)
 
     def _improved(self, free: Float64Array, target: Float64Array, radius: float) -> Float64Array:
-        """Return the place nearest to ``target`` on the straight free segments to it from ``free`` places (n, 2)."""
+        """Return the position nearest to ``target`` on the straight free segments to it from ``free`` positions (n,
+        2).
+        """
         gaps = np.hypot(*(free - target).T)
         nearest = free[np.argsort(gaps, kind="stable")[:CANDIDATES]]
         steps = np.linspace(0.0, 1.0, 65)[:, None, None]
@@ -142,11 +145,11 @@ class ClearanceLattice:
 
 @lru_cache(maxsize=16)
 def clearance_lattice(world: World) -> ClearanceLattice:
-    """Return the clearance at every :data:`LATTICE_STEP` of the world; computed once for each world."""
+    """Return the clearance at every :data:`LATTICE_STEP` of the world, computed once per world."""
     x0, y0, x1, y1 = world.bounds
     rows, cols = (int(np.ceil((high - low) / LATTICE_STEP)) for low, high in ((y0, y1), (x0, x1)))
     geometry = GridGeometry(LATTICE_STEP, rows, cols, (x0, y0, 0.0))
-    # Block by block, a few cells beyond the border where need be: neighbours share their search for the nearest edge.
+    # In blocks, some extending beyond the border, because neighbours share their search for the nearest edge.
     across, up = -(-cols // BLOCK), -(-rows // BLOCK)
     cells = np.stack(np.meshgrid(np.arange(up * BLOCK), np.arange(across * BLOCK), indexing="ij"), axis=-1)
     blocks = cells.reshape(up, BLOCK, across, BLOCK, 2).transpose(0, 2, 1, 3, 4)

@@ -1,4 +1,4 @@
-"""The one table of SLAM parameters, and one value for each row."""
+"""Table of SLAM parameters, and a config with one value for each row."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from mapper.core.parameter import check_fields, choice, flag, number, table_of, 
 
 @dataclass(frozen=True, slots=True)
 class SlamConfig:
-    """One value for each row of :data:`SLAM_PARAMETERS`; each field states its unit and meaning.
+    """Values of all rows of :data:`SLAM_PARAMETERS`; each field states its unit and meaning.
 
-    Raises :class:`ConfigError` naming the parameter that is refused.
+    Raises :class:`ConfigError` naming the invalid parameter.
     """
 
     # fmt: off
@@ -110,7 +110,7 @@ class SlamConfig:
         check_fields(self)
 
     def with_values(self, values: Mapping[str, Any]) -> SlamConfig:
-        """Return the config with these values replaced. Raises :class:`ConfigError` for a name or a value."""
+        """Return the config with these values replaced. Raises :class:`ConfigError` for an invalid name or value."""
         return with_values(self, values, "SLAM parameter")
 
 

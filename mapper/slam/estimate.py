@@ -1,4 +1,4 @@
-"""Estimate of the time and memory of SLAM, before it starts."""
+"""Estimate of the time and memory of SLAM before it starts."""
 
 from __future__ import annotations
 
@@ -13,20 +13,21 @@ from mapper.slam.config import SlamConfig
 from mapper.slam.loop_closure import MOST_ATTEMPTS
 from mapper.slam.odometry import matched_scans, odometry_name
 
-MS_PER_SCAN, MS_PER_BEAM = 0.4, 0.004  #: of processor time: measured on 1 to 3 thousand scans of 180 to 682 beams
-MS_PER_ATTEMPT = 2.0  #: to find a loop, measured on simulated drives of 4 and 8 km
-#: times n^1.5 of the scans, to optimise the graph again and again: so its time grew from 4 to 13 thousand scans.
+MS_PER_SCAN, MS_PER_BEAM = 0.4, 0.004  #: processor time: measured on 1 to 3 thousand scans of 180 to 682 beams
+MS_PER_ATTEMPT = 2.0  #: per attempted loop closure, measured on simulated drives of 4 and 8 km
+#: multiplied by n^1.5 of the scans, for the repeated optimisation of the graph, as measured from 4 to 13 thousand
+#: scans.
 SECONDS_OF_GRAPH = 2e-5
-MANY_ATTEMPTS = 2_000  #: attempted loops: with fewer, optimising takes less
+MANY_ATTEMPTS = 2_000  #: attempted loops: with fewer, optimisation takes less time
 BYTES_PER_BEAM = 17  #: a point, a normal and its kind
-BYTES_PER_SCAN = 12_000  #: poses, edges, pairs and their share of the factor
+BYTES_PER_SCAN = 12_000  #: poses, edges, pairs and the share of the factor
 FIXED_BYTES = 150_000_000  #: fields of submaps
-PASSES = 2  #: of all scans that are in memory at once where loops are closed: the best one and one with other rules
+PASSES = 2  #: over all scans, in memory at once if loops are closed: the best one and one with other rules
 
 
 @dataclass(frozen=True, slots=True)
 class SlamEstimate:
-    """``n_matched`` scans will be matched: about ``seconds`` of processor time and ``n_bytes`` of memory."""
+    """``n_matched`` scans to match, in about ``seconds`` of processor time and ``n_bytes`` of memory."""
 
     n_matched: int
     seconds: float
@@ -34,10 +35,10 @@ class SlamEstimate:
 
 
 def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | None = None) -> SlamEstimate:
-    """Return what :func:`mapper.slam.slam_log` will take, on a processor of 2020. Raises :class:`ConfigError`.
+    """Return the estimate for :func:`mapper.slam.slam_log` on a processor of 2020. Raises :class:`ConfigError`.
 
-    The seconds are those of one pass: each with other rules (:data:`mapper.slam.whole_log.STRICTER`), which are tried
-    where the map contradicts itself, takes as long again. The memory is that of all passes that are there at once.
+    The seconds are those of one pass. Each pass with other rules (:data:`mapper.slam.whole_log.STRICTER`), tried if the
+    map contradicts itself, takes as long again. The memory is that of all passes held at once.
     """
     config = config or SlamConfig()
     name = odometry_name(log) if trajectory is None else trajectory
@@ -56,7 +57,7 @@ def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | N
 
 
 def _attempts(driven: float, config: SlamConfig) -> float:
-    """Return how often a loop is looked for over a way, metres; see :meth:`LoopCloser.try_at`."""
+    """Return the number of loop searches along a path of this length, metres; see :meth:`LoopCloser.try_at`."""
     if not config.loop_closure:
         return 0.0
     begin = MOST_ATTEMPTS * config.loop_distance

@@ -1,4 +1,4 @@
-"""Score fields of submaps, and the search of a scan's pose in them."""
+"""Score fields of submaps, and the search for a scan's pose in them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ class ScoreField:
     ) -> tuple[Float64Array, float, float]:
         """Return the best pose (3,) within ``window`` metres and ``turn_window`` radians, its score and ``pose``'s.
 
-        Scores are shares, 0 … 1, of the greatest possible; headings are ``turn`` apart. Every pose is scored.
+        Scores are fractions, 0 to 1, of the maximum possible; headings are ``turn`` radians apart. Every pose is
+        scored.
         """
         cells, turns = int(np.ceil(window / self.frame.resolution)), int(np.ceil(turn_window / turn))
         volume = np.empty((2 * turns + 1, 2 * cells + 1, 2 * cells + 1), dtype=np.int32)
@@ -44,7 +45,7 @@ class ScoreField:
         return self._moved(pose, best, turn), float(best[0]) / whole, float(volume[turns, cells, cells]) / whole
 
     def pyramid(self, levels: int) -> NDArray[np.uint8]:
-        """Return the grids (levels + 1, rows, cols) that :meth:`search_pyramid` takes."""
+        """Return the grids (levels + 1, rows, cols) for :meth:`search_pyramid`."""
         out = np.empty((levels + 1, *self.scores.shape), dtype=np.uint8)
         write_pyramid(self.scores, out)
         return out
@@ -61,7 +62,7 @@ class ScoreField:
         stride: int,
         least: float,
     ) -> tuple[Float64Array, float]:
-        """Return what :meth:`search` returns, by branch and bound; score 0 where no pose reaches ``least``."""
+        """Return the result of :meth:`search`, by branch and bound; score 0 if no pose reaches ``least``."""
         cells, turns = int(np.ceil(window / self.frame.resolution)), int(np.ceil(turn_window / turn))
         best = np.empty(4, dtype=np.int64)
         points = int(np.count_nonzero(scans.kind[i, ::stride]))

@@ -1,6 +1,6 @@
-"""The front end: each new scan aligned with the scans shortly before it.
+"""SLAM front end: aligns each new scan with the scans shortly before it.
 
-Its poses are in a frame of their own that no loop closure moves, so that it can run ahead of the graph.
+Its poses are in a separate frame that loop closures do not move, so it can run ahead of the graph.
 """
 
 from __future__ import annotations
@@ -28,32 +28,33 @@ from mapper.slam.matching_rules import (
 )
 from mapper.slam.scan_store import ScanStore
 
-#: metres, metres, radians: of the field and the steps of the search; a turn by 1° moves a wall 5 m away by one sigma
+#: metres, metres, radians: of the field and the steps of the search; a rotation by 1° moves a wall 5 m away by one
+#: sigma
 RESOLUTION, SIGMA, TURN = 0.05, 0.08, np.radians(1.0)
-GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
-LEAST_INLIERS = 0.5  #: of the points that tell: where most contradict, the pose is wrong
-RELIABLE, FAIR = 0.85, 0.5  #: agreement from which nothing is searched, and from which no wider window is
-BETTER = 0.03  #: by how much the agreement of a searched pose must exceed that of the predicted one
-WIDER = 3.0  #: the second window beside the first
-WIDEST, WIDEST_TURN = 1.0, 0.7  #: metres, radians: of any window, to each side
-MARGIN = 5.0  #: metres around what the first scan of a submap saw
-POINTS = 720  #: of a scan and those before it that are paired
-SEARCHED = 90  #: points of a scan that are looked up in a search
-SOON = 0.3  #: seconds, until which the motion before predicts a scan well if the last one fitted
-LONGEST = 1.0  #: seconds: the motion goes on as before for so long at most
-FARTHEST = np.array([3.0, 3.0, 1.5])  #: metres, metres, radians: and not farther, as stamps may be wrong
-MOST_SPREAD = np.array([10.0, 10.0, np.pi])  #: metres, metres, radians: no motion is less certain
-LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignment failed
+GATE = 0.15  #: metres: points closer than this are on the same wall
+LEAST_INLIERS = 0.5  #: of the informative points: if most contradict, the pose is wrong
+RELIABLE, FAIR = 0.85, 0.5  #: agreement above which nothing is searched, and above which no wider window is
+BETTER = 0.03  #: minimum gain in agreement of a searched pose over the predicted one
+WIDER = 3.0  #: size of the second window relative to the first
+WIDEST, WIDEST_TURN = 1.0, 0.7  #: metres, radians: maximum of any window, to each side
+MARGIN = 5.0  #: metres around the view of a submap's first scan
+POINTS = 720  #: maximum number of a scan's points that are paired
+SEARCHED = 90  #: maximum number of a scan's points used in a search
+SOON = 0.3  #: seconds for which the previous motion predicts a scan well if the last one fitted
+LONGEST = 1.0  #: seconds: maximum time for which the motion is extrapolated
+FARTHEST = np.array([3.0, 3.0, 1.5])  #: metres, metres, radians: limit of extrapolation, as stamps may be wrong
+MOST_SPREAD = np.array([10.0, 10.0, np.pi])  #: metres, metres, radians: maximum uncertainty of a motion
+LEAST_SCORE = 0.5  #: of the correlation, for its pose to be used if the alignment failed
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Result of the front end for one scan: ``relative`` (3,) to the one kept before, with ``information`` (3, 3).
+    """Result of the front end for one scan: ``relative`` (3,) to the kept scan before, with ``information`` (3, 3).
 
-    ``is_kept`` says that later scans are aligned with it; otherwise only its pose counts.
-    Of its points that agree with the scans before or contradict them, ``inliers`` is the share that agree;
-    ``is_aligned`` says that they were enough, otherwise the motion is the correlation's or the predicted one.
-    ``agreement`` is ``inliers`` times the share of all points that agree.
+    ``is_kept`` means that later scans are aligned with it; otherwise only its pose is used. ``inliers`` is the fraction
+    of points that agree, among those that agree with or contradict the scans before. ``is_aligned`` means that it was
+    large enough; otherwise the motion is the correlation's or the predicted one. ``agreement`` is ``inliers`` times the
+    fraction of all points that agree.
     """
 
     relative: Float64Array
@@ -66,9 +67,10 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class _Attempt:
-    """A scan aligned from ``start`` (3,), whose correlation ``score`` was known: 0 where nothing was searched.
+    """A scan aligned from ``start`` (3,) with correlation ``score``, 0 if nothing was searched.
 
-    ``agreement`` is the share of all points that agree times the share ``inliers`` of those that agree or contradict.
+    ``agreement`` is the fraction of all points that agree times ``inliers``, the fraction that agree among those that
+    agree or contradict.
     """
 
     start: Float64Array
@@ -82,10 +84,7 @@ class _Attempt:
 
 
 class FrontEnd:
-    """Aligns scans one after another. ``poses`` (n, 3) are those of the kept ones in the front end's frame.
-
-    ``last`` (3,) is the pose of the newest scan, kept or not.
-    """
+    """Aligns scans one after another. ``poses`` (n, 3) are those of the kept scans in the front end's frame."""
 
     def __init__(self, store: ScanStore, config: SlamConfig) -> None:
         self._store = store
@@ -94,21 +93,21 @@ class FrontEnd:
         self._n = 0
         self._half = int(config.submap_scans) * store.n_sensors
         self._seen: list[int] = []  # scans with points
-        # So many points show how a scan lies; the refinement of the whole takes them all.
+        # This many points are enough to align a scan; the joint refinement uses all of them.
         stride = max(1, store.n_beams * int(config.neighbours) // POINTS)
         self._rule = pair_rule(store.least_step)._replace(stride=stride)
-        self._begun: list[int] = []  # first scans of the submaps that are not finished, at most two
-        self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, the one after the last, and their field
+        self._begun: list[int] = []  # first scans of the unfinished submaps, at most two
+        self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, end of the scans, and their field
         self.last = np.zeros(3)
         self._motion = np.zeros(3)
         self._kept_of: dict[int, int] = {}  # the newest kept scan of each sensor
-        self._velocity: Float64Array | None = None  # as far as they are
+        self._velocity: Float64Array | None = None  # the last known velocity
         self._is_reliable = False  # whether the last scan fitted well
         self._is_steady = False  # whether the motion of the last scans predicts the next pose well
-        self._many = store.n_sensors  # of whose scans as many are needed to see all around
-        # When the last scans were taken, seconds, as far as the times are known, and their poses.
+        self._many = store.n_sensors  # number of scans needed to see in all directions
+        # Times of the last scans, seconds, if known, and their poses.
         self._track: deque[tuple[float, Float64Array]] = deque(maxlen=self._many + 1)
-        self.submaps: list[tuple[int, int]] = []  #: finished ones: first scan and the one after the last
+        self.submaps: list[tuple[int, int]] = []  #: finished submaps: first scan and end
 
     def __len__(self) -> int:
         return self._n
@@ -120,7 +119,7 @@ class FrontEnd:
 
     @property
     def velocity(self) -> Float64Array | None:
-        """The velocity (3,) of the last step, metres and radians a second; None where it is not known well."""
+        """The velocity (3,) of the last step, metres and radians per second; None if it is not well known."""
         return self._velocity if self._is_reliable else None
 
     def add(
@@ -134,13 +133,12 @@ class FrontEnd:
         may_drop: bool = False,
         mount: Float64Array | None = None,
     ) -> Step:
-        """Align the next scan; ``motion`` (3,) is the odometry's since the one before, None for no odometry.
+        """Align the next scan. ``motion`` (3,) is the odometry's since the scan before, None for no odometry.
 
-        With ``may_drop`` a scan that fits well, from almost where the kept one before of its sensor was taken, by the
-        config's distance and turn of nodes, is not kept.
-
-        ``seconds`` is the time since the one before, None where it is not known. ``sensor``, ``velocity`` and
-        ``mount`` are as in :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
+        With ``may_drop``, a scan that fits well and was taken close to its sensor's previous kept scan, by the config's
+        distance and turn of nodes, is not kept. ``seconds`` is the time since the scan before, None if unknown.
+        ``sensor``, ``velocity`` and ``mount`` are as in :meth:`ScanStore.append`; without a velocity, that of the
+        previous steps is used.
         """
         expected = self._expected(seconds) if motion is None else motion
         if velocity is None:
@@ -171,13 +169,13 @@ class FrontEnd:
         return step
 
     def _expected(self, seconds: float | None) -> Float64Array:
-        """Return the motion in ``seconds`` if the robot moves on as before."""
+        """Return the motion in ``seconds`` at the current velocity."""
         if seconds is None or self._velocity is None:
             return self._motion
         return np.clip(self._velocity * min(seconds, LONGEST), -FARTHEST, FARTHEST)
 
     def _is_near(self, sensor: int) -> bool:
-        """Return whether the newest scan was taken almost where the kept one before of its sensor was."""
+        """Return whether the newest scan was taken close to its sensor's previous kept scan."""
         keyframes = self._kept_of.get(self._store.sensor_numbers[sensor])
         if keyframes is None:
             return False
@@ -185,7 +183,9 @@ class FrontEnd:
         return math.hypot(x, y) < self._config.node_distance and abs(yaw) < self._config.node_turn
 
     def _note_velocity(self, seconds: float | None) -> None:
-        """Take the velocity over the last scans of all sensors, for those of two sensors may be nearly at one time."""
+        """Update the velocity from the last scans of all sensors, because two sensors may scan at nearly the same
+        time.
+        """
         self._track.append((self._track[-1][0] + (seconds or 0.0), self.last))
         then, before = self._track[0]
         passed = self._track[-1][0] - then
@@ -203,9 +203,9 @@ class FrontEnd:
             window, turn_window = 0.10 + 0.2 * length, 0.07 + 0.2 * length + 0.2 * turned
             spread = np.array([0.03 + 0.15 * length] * 2 + [0.02 + 0.15 * length + 0.1 * turned])
         spread = np.minimum(spread, MOST_SPREAD)
-        # Where the prediction leads to a good alignment nothing is searched: in a corridor, along which every place
-        # fits as well, the prediction counts. Without odometry it is too poor for that, except soon after a scan
-        # that fitted well.
+        # If the prediction leads to a good alignment, nothing is searched. In a corridor, along which every position
+        # fits equally well, the prediction is then used. Without odometry it is too poor for that, except shortly after
+        # a scan that fitted well.
         if not has_odometry and not is_steady:
             enough, best = RELIABLE, self._searched(i, predicted, spread, window, turn_window)
         else:
@@ -225,7 +225,7 @@ class FrontEnd:
     def _searched(
         self, i: int, predicted: Float64Array, spread: Float64Array, window: float, turn_window: float
     ) -> _Attempt:
-        """Align scan i from the best pose of a window around the predicted one."""
+        """Align scan i from the best pose in a window around the predicted one."""
         stride = max(2, self._store.count(i) // SEARCHED)
         start, score, _ = self._field().search(
             self._store.arrays, i, predicted, min(window, WIDEST), min(turn_window, WIDEST_TURN), TURN, stride
@@ -249,7 +249,7 @@ class FrontEnd:
         return _Attempt(start, score, pose, hessian, prior, inliers, inliers * agreeing / max(points, 1), aligned)
 
     def _field(self) -> ScoreField:
-        """Return the score field of the scans of the newest submap but one, or the newest, up to the last scan."""
+        """Return the score field of the scans of the last submap but one, or the last, up to the newest scan."""
         if self._drawn is None or self._drawn[0] != self._begun[0]:
             first = self._begun[0]
             reach = max(self._store.farthest(k) for k in (first, self._n - 1)) + MARGIN
@@ -262,7 +262,7 @@ class FrontEnd:
         return field
 
     def _divide(self) -> None:
-        """Begin and finish submaps after a scan was added."""
+        """Start and finish submaps after a scan was added."""
         if not self._begun:
             self._begun = [0]
         elif len(self._begun) == 1 and self._n - self._begun[0] >= self._half:
@@ -273,5 +273,5 @@ class FrontEnd:
 
 
 def _better(first: _Attempt, second: _Attempt) -> _Attempt:
-    """Return the second of two attempts where it agrees clearly better, else the first."""
+    """Return the second attempt if it agrees clearly better, else the first."""
     return second if second.agreement > first.agreement + BETTER else first

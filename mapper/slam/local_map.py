@@ -1,8 +1,8 @@
-"""Local maps of submaps of the way, their corners, and a descriptor of the surroundings of each corner.
+"""Local maps of submaps, their corners, and a descriptor of the surroundings of each corner.
 
-Source: Tipaldi & Arras 2010, FLIRT: keypoints of range data with descriptors of what is occupied and free around them.
-The keypoints here are corners of a local map of several scans, so that a place that is passed in the other direction
-has them too.
+Source: Tipaldi & Arras 2010, FLIRT: keypoints of range data with descriptors of occupied and free space around them.
+The keypoints here are corners of a local map of several scans, so that they are also found when a place is passed in
+the opposite direction.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from mapper.slam.kernels.local_map import (
 from mapper.slam.scan_store import ScanStore
 
 RESOLUTION = 0.1  #: metres
-REACH = 10.0  #: metres: what is farther from the sensor is left out
+REACH = 10.0  #: metres: points farther from the sensor are ignored
 MOST_SCANS = 16  #: of a submap
 BEAMS = 180  #: of a scan
-CORNER_RADIUS = 4  #: cells: of the walls that make a corner
-LEAST_STRENGTH = 0.5  #: of a corner, in cells of the weaker wall
-APART = 0.5  #: metres between two corners
+CORNER_RADIUS = 4  #: cells: radius of the walls that form a corner
+LEAST_STRENGTH = 0.5  #: minimum strength of a corner, in cells of the weaker wall
+APART = 0.5  #: minimum distance of two corners, metres
 MOST_CORNERS = 40
-RINGS, SECTORS, RADIUS = 5, 24, 30  #: bins of a descriptor, and the cells to its edge
-FREQUENCIES = 6  #: of the sectors
+RINGS, SECTORS, RADIUS = 5, 24, 30  #: bins of a descriptor, and its radius in cells
+FREQUENCIES = 6  #: Fourier coefficients over the sectors
 
 
 @dataclass(frozen=True, slots=True)
 class LocalMap:
     """The corners (k, 2) of the map of some scans, metres in the frame of ``origin``, and their descriptors (k, d).
 
-    ``origin`` is a node's number; ``members`` (s,) are the nodes of the submap.
+    ``origin`` is a node index; ``members`` (s,) are the nodes of the submap.
     """
 
     origin: int
@@ -72,7 +72,8 @@ def local_map(store: ScanStore, members: Int64Array, origin: int, poses: Float64
 
 
 def strongest(strengths: Float64Array) -> Int64Array:
-    """Return the cells (k, 2), row and column, of the strongest corners, apart from one another, the strongest first.
+    """Return the cells (k, 2), row and column, of the strongest corners that are apart from each other, strongest
+    first.
 
     Of equal ones the first counts.
     """
@@ -96,7 +97,7 @@ def frequencies(shares: Float32Array) -> Float32Array:
 
 
 def _polar_bins() -> tuple[UInt8Array, Int64Array]:
-    """Return the bin (side, side) of each cell around a keypoint, ring by ring, and how many cells each has."""
+    """Return the bin (side, side) of each cell around a keypoint, ring by ring, and the number of cells per bin."""
     row, col = np.mgrid[-RADIUS : RADIUS + 1, -RADIUS : RADIUS + 1]
     ring = np.floor(np.hypot(row, col) * RINGS / (RADIUS + 0.5)).astype(np.int64)
     sector = np.floor(np.arctan2(row, col) / (2.0 * np.pi) * SECTORS).astype(np.int64) % SECTORS

@@ -1,4 +1,4 @@
-"""Loop closure: scans matched with submaps of places that the robot was at long before."""
+"""Loop closure: scans matched with submaps of places visited long before."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted
 
-KEPT_PLACES = 24  #: submaps, searched last
-WINDOW, DRIFT = 1.0, 0.03  #: metres, and metres for each metre of the way in the graph, that a pose may be off
-TURN_WINDOW, TURN_DRIFT = 0.15, 0.003  #: radians, and radians for each metre
-SIGHT = 3.0  #: metres: a scan sees as much of a place from so far away
-LEAST_WAY = 8.0  #: metres driven since the last scan of a submap, for it to be a loop
-MOST_ATTEMPTS = 2_000  #: over a way, from which on their distance grows with it: their number with its logarithm
-CANDIDATES = 2  #: submaps that are searched in one attempt
-FAR = 20.0  #: metres of the way in the graph, from which on the window is so wide that places may be mistaken
-SURE = 15.0  #: metres of the way in the graph, to which scans are sure to be placed well beside one another
+KEPT_PLACES = 24  #: submaps cached, most recently searched
+WINDOW, DRIFT = 1.0, 0.03  #: metres, and metres per metre of path in the graph, that a pose may be off
+TURN_WINDOW, TURN_DRIFT = 0.15, 0.003  #: radians, and radians per metre
+SIGHT = 3.0  #: metres: a scan sees nearly the same part of a place from this distance
+LEAST_WAY = 8.0  #: metres driven since the last scan of a submap for it to form a loop
+MOST_ATTEMPTS = 2_000  #: over a path; beyond it their spacing grows, so their number is logarithmic
+CANDIDATES = 2  #: submaps searched in one attempt
+FAR = 20.0  #: metres of path in the graph, beyond which the window is so wide that places may be confused
+SURE = 15.0  #: metres of path in the graph within which relative poses of scans are reliable
 
 
 class LoopCloser:
-    """Looks for loops from the newest scan to finished submaps of the front end."""
+    """Searches for loops from the newest scan to finished submaps of the front end."""
 
     def __init__(self, store: ScanStore, front_end: FrontEnd, config: SlamConfig) -> None:
         self._store, self._front_end, self._config = store, front_end, config
@@ -38,7 +38,7 @@ class LoopCloser:
         self._way_of_last_attempt = -np.inf
 
     def try_at(self, j: int, poses: Float64Array, driven: Float64Array, loops: list[Loop]) -> list[Loop]:
-        """Look for loops from node j; ``poses`` (j + 1, 3) are ``T_map_base``, ``driven`` (j + 1,) the metres driven.
+        """Search for loops from node j; ``poses`` (j + 1, 3) are ``T_map_base``, ``driven`` (j + 1,) the metres driven.
 
         ``loops`` are those accepted before.
         """
@@ -59,7 +59,7 @@ class LoopCloser:
     def _near(
         self, j: int, poses: Float64Array, driven: Float64Array, loops: list[Loop]
     ) -> list[tuple[int, int, float]]:
-        """Return the submaps to search, each with its node that is nearest and the way to it in the graph."""
+        """Return the submaps to search, each with its nearest node and the path length to it in the graph."""
         submaps = np.array(self._front_end.submaps, dtype=np.int64).reshape(-1, 2)
         if not len(submaps):
             return []
@@ -85,10 +85,10 @@ class LoopCloser:
         return try_loop(self._store, self._config, self._rule, place, anchor, j, guess, window, turn_window)
 
     def _checked(self, loop: Loop, submap: int, poses: Float64Array, driven: Float64Array, loops: list[Loop]) -> Loop:
-        """Return an accepted loop, refused where the scans on the way, or it and its place, contradict one another.
+        """Return an accepted loop, refused if the scans on the path, or the loop and its place, contradict each other.
 
-        One scan may fit a place that looks like another; what was seen before it hardly does. Only scans that are
-        placed surely beside the loop's first scan tell: others are off by their own drift.
+        One scan may fit a place that looks like another, but the scans before it rarely do. Only scans placed reliably
+        relative to the loop's first scan are used; others are affected by their own drift.
         """
         most = self._config.loop_contradicted
         is_earlier = graph_ways(loop.i, driven, loops) <= SURE

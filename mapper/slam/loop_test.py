@@ -1,4 +1,4 @@
-"""A loop that is tried: a scan matched with the scans of a place, and what refuses it."""
+"""Test of a loop: a scan is matched with the scans of a place, and refused for one of several reasons."""
 
 from __future__ import annotations
 
@@ -17,23 +17,24 @@ from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.matching_rules import LOOP_ITERATIONS, information_of
 from mapper.slam.scan_store import ScanStore
 
-#: metres, metres, radians: coarser than in the front end, as windows are wide; the alignment begins within 0.4 m
+#: metres, metres, radians: coarser than in the front end, because windows are wide; the alignment converges within 0.4
+#: m
 RESOLUTION, SIGMA, TURN = 0.1, 0.12, 0.025
-LEVELS = 4  #: of branch and bound: it begins with squares of 16 cells, 1.6 m
-SCANS = 6  #: of the place that a found pose is aligned with
-LEAST_PAIRS = 30  #: of points: fewer are one short wall, which leaves a direction open
-GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
+LEVELS = 4  #: of branch and bound, starting at squares of 16 cells, 1.6 m
+SCANS = 6  #: scans of the place with which a matched pose is aligned
+LEAST_PAIRS = 30  #: pairs of points: fewer are one short wall, which leaves a direction undetermined
+GATE = 0.15  #: metres: points closer than this are on the same wall
 PRIOR = np.full(3, 1e-3)  #: weight of the correlation's pose in the alignment, in pairs of points
-FARTHEST_SHIFT = 0.4  #: metres, between the correlation's pose and the aligned one
+FARTHEST_SHIFT = 0.4  #: metres between the correlation's pose and the aligned one
 
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """A loop that was tried, from node ``i`` to node ``j``, the later one.
+    """A tested loop from node ``i`` to node ``j``, the later one.
 
-    ``score`` is the correlation's, 0 … 1, ``inliers`` the share of points on the walls of the earlier scans.
-    ``reason`` says why it was refused, "" for an accepted one, of which ``relative`` (3,) and ``information`` (3, 3)
-    are the edge.
+    ``score`` is the correlation's, 0 to 1, ``inliers`` the fraction of points on the walls of the earlier scans.
+    ``reason`` is why it was refused, "" for an accepted loop, whose edge is ``relative`` (3,) and ``information`` (3,
+    3).
     """
 
     i: int
@@ -46,7 +47,7 @@ class Loop:
 
     @property
     def accepted(self) -> bool:
-        """Whether it became an edge."""
+        """Whether the loop became an edge."""
         return not self.reason
 
 
@@ -87,9 +88,8 @@ def try_loop(
 ) -> Loop:
     """Match scan j with a place, from ``guess`` (3,) in its frame.
 
-    ``window`` (metres) and ``turn_window`` (radians) say how far from the guess, to each side, it is searched for.
-
-    A refused loop is said to begin at ``anchor``, an accepted one at the scan with which it has most in common.
+    ``window`` (metres) and ``turn_window`` (radians) are the search window to each side of the guess. The first node of
+    a refused loop is ``anchor``, that of an accepted loop the scan with most in common.
     """
     scans, local, members = store.arrays, place.poses, place.members
     least = config.loop_score
@@ -122,10 +122,10 @@ def try_loop(
 
 
 def share_contradicted_mutually(store: ScanStore, place: Place, loop: Loop) -> float:
-    """Return the share of points in view, of a loop's later scan and of the place, that lie in the other's free space.
+    """Return the fraction of visible points, of a loop's later scan and of the place, in the other's free space.
 
     A scan far from the end of a corridor may fit a place near that end: few of its points contradict the place, but the
-    place's end lies where the scan saw free space. The place's scans are those with most in common with it.
+    place's end lies in the scan's free space. The place's scans used are those with most in common with the scan.
     """
     scans, members = store.arrays, place.members
     # The later scan may be newer than the poses of the place.
@@ -144,7 +144,7 @@ def share_contradicted_mutually(store: ScanStore, place: Place, loop: Loop) -> f
 
 
 def _with_most_in_common(store: ScanStore, place: Place, j: int, pose: Float64Array) -> Int64Array:
-    """Return the scans of a place that have most points in common with scan j at ``pose``, the first with most."""
+    """Return the scans of a place with most points in common with scan j at ``pose``, in descending order."""
     common = np.empty(len(place.members), dtype=np.int64)
     count_common(store.arrays, j, pose, place.members, place.poses, 2.0 * GATE, 4, common)
     return place.members[np.argsort(-common, kind="stable")[:SCANS]]

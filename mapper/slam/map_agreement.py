@@ -1,4 +1,4 @@
-"""Agreement of all scans of a map with one another, by which graphs of the same scans are compared."""
+"""Agreement of all scans of a map with each other, used to compare graphs of the same scans."""
 
 from __future__ import annotations
 
@@ -12,22 +12,21 @@ from mapper.slam.loop_test import GATE
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import AROUND, EVERY, OTHERS, spread
 
-#: Metres of the way: scans nearer than this agree whatever the loops are. Of scans within AROUND of one another those
-#: farther apart were taken when the robot came back, also around a corner (√2 · AROUND of the way).
+#: Metres of path: scans nearer than this agree regardless of the loops. Of scans within AROUND of each other, those
+#: farther apart along the path were taken when the robot returned, also around a corner (√2 · AROUND of path).
 APART = 6.0
-MOST_SCANS = 2_000  #: that are compared with others, so that the time grows with the number of scans
+MOST_SCANS = 2_000  #: number compared with others, so that the time is linear in the number of scans
 #: A map is inconsistent where the share of points that contradict scans from distant parts of the path is above
 #: ``RATIO`` times the share that contradict scans from near parts, plus ``MORE``: near scans may agree perfectly.
 RATIO, MORE = 2.5, 0.01
-LEAST = 10  #: points that have to contradict: where the robot hardly came back, one of a few dozen is a large share
+LEAST = 10  #: minimum number of contradicting points: with few revisits, one of a few dozen is a large fraction
 
 
 @dataclass(frozen=True, slots=True)
 class MapAgreement:
-    """Points compared with other scans: ``far`` (3,) with those far away on the way, ``near`` (3,) with those near.
+    """Points compared with other scans: ``far`` (3,) with scans far away along the path, ``near`` (3,) with near ones.
 
-    Each has the number of points that were compared, of those on a wall of the others, and of those in free space of
-    the others.
+    Each has the number of points compared, on a wall of the others, and in free space of the others.
     """
 
     far: tuple[int, int, int]
@@ -35,35 +34,35 @@ class MapAgreement:
 
     @property
     def contradicted(self) -> float:
-        """The share of points that contradict scans far away on the way, of those that these see; 0 without any."""
+        """Fraction of points that contradict scans far along the path, among those visible to them; 0 if none."""
         return _share(self.far)
 
     @property
     def contradicted_near(self) -> float:
-        """The share of points that contradict scans near on the way: what moves, glass, and noise."""
+        """Fraction of points that contradict scans near along the path, due to moving objects, glass and noise."""
         return _share(self.near)
 
     @property
     def is_consistent(self) -> bool:
-        """Whether about as many points contradict scans far away as scans near on the way, or hardly any do."""
+        """Whether scans far along the path are contradicted about as often as near ones, or hardly at all."""
         return self.far[2] < LEAST or self.contradicted <= RATIO * self.contradicted_near + MORE
 
     def score(self, loop_contradicted: float) -> float:
-        """Return the score by which two graphs of the same scans are compared: the greater, the better.
+        """Return the score by which two graphs of the same scans are compared; greater is better.
 
-        It is the number of points that agree with scans far away on the way, less those that contradict them, each of
-        which counts as 1 / ``loop_contradicted`` points: a map in which that share contradicts scores less than one
-        whose scans never meet again.
+        It is the number of points that agree with scans far along the path, minus 1 / ``loop_contradicted`` for each
+        that contradicts them: a map in which that fraction contradicts scores less than one whose scans never meet
+        again.
         """
         return self.far[1] - self.far[2] / max(loop_contradicted, 1e-3)
 
 
 def map_agreement(store: ScanStore, poses: Float64Array) -> MapAgreement:
-    """Return how the scans of a store agree with one another at ``poses`` (n, 3), ``T_map_base``.
+    """Return the agreement of the scans of a store at ``poses`` (n, 3), ``T_map_base``.
 
-    Every metre of the way a scan is compared with those taken near its pose, as
-    :func:`mapper.slam.kernels.agreement.count_agreement` counts: with those within :data:`APART` metres of the way
-    before or after it, and with those farther away.
+    For every metre of path one scan is compared with those taken near its pose
+    (:func:`mapper.slam.kernels.agreement.count_agreement`): separately with those within :data:`APART` metres along the
+    path and those farther away.
     """
     driven = np.r_[0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))]
     step = max(EVERY, float(driven[-1]) / MOST_SCANS)
@@ -85,9 +84,9 @@ def map_agreement(store: ScanStore, poses: Float64Array) -> MapAgreement:
 
 
 def _share(counts: tuple[int, int, int]) -> float:
-    """Return the share of contradicting points among those that agree or contradict.
+    """Return the fraction of contradicting points among those that agree or contradict.
 
-    Where the robot comes back from another side most points are out of the sight of the scans there, and say nothing.
+    If the robot returns from another side, most points are not visible to the scans there and are not counted.
     """
     _, agreeing, contradicting = counts
     return contradicting / max(agreeing + contradicting, 1)

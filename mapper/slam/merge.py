@@ -1,7 +1,7 @@
-"""Two logs of one place in one map: their maps aligned, then their scans joined and refined together.
+"""Merging of two logs of one place: their maps are aligned, then their scans are joined and refined together.
 
-Map to map: the walls of the second log's map are searched for in the first one's, everywhere in it and in all
-directions. Then joint: loops between the scans of the two logs, a robust pose graph of both, and the refinement of
+Map to map: the walls of the second log's map are searched for everywhere in the first map, in all directions. Joint:
+loops between the scans of the two logs, a robust pose graph of both, and the refinement of
 :mod:`mapper.slam.refinement` over all scans.
 """
 
@@ -36,17 +36,14 @@ from mapper.slam.result import LoopCandidates, SlamProgress, SlamResult
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.whole_log import slam_log, stored_scans
 
-FEWEST = 3  #: loops between the logs, without which they are not taken to show one place
-LEAST_SHARE = 0.3  #: of the loops that were tried near scans of the first log
-SHARES = (0.35, 0.35, 0.1, 0.1, 0.1)  #: of the work: SLAM of each log, maps, loops, refinement
+FEWEST = 3  #: minimum number of loops between logs of one place
+LEAST_SHARE = 0.3  #: fraction of the loops tried near scans of the first log
+SHARES = (0.35, 0.35, 0.1, 0.1, 0.1)  #: fractions of the work: SLAM of each log, maps, loops, refinement
 
 
 @dataclass(frozen=True, slots=True)
 class MergeProgress:
-    """Progress of a merge: ``fraction`` 0 … 1, and the ``stage``.
-
-    Stages are "first log", "second log", "maps", "loops" and "refinement".
-    """
+    """Progress of a merge: ``fraction`` 0 to 1, and the ``stage``."""
 
     fraction: float
     stage: str
@@ -61,10 +58,10 @@ class MergedLogs:
     """Two logs in one map frame, that of the first log's poses.
 
     ``poses`` are those of all scans of the two logs, (n_scans, 3) each, ``T_map_base``. ``placed`` (3,) is the pose of
-    the second log's own map in the first one's, ``T_first_second``, that map to map found, with its ``score``, 0 … 1.
-    ``graph`` has the nodes of the first log, ``split`` of them, and then those of the second, whose numbers begin at
-    the number of the first log's scans; ``loops`` (l,) are its edges between the logs, of those ``tried``. ``results``
-    are those of SLAM of each log by itself.
+    the second log's map in the first one's, ``T_first_second``, from map-to-map matching, with its ``score``, 0 to 1.
+    ``graph`` has the nodes of the first log, ``split`` of them, and then those of the second, numbered after the first
+    log's scans; ``loops`` (l,) are its edges between the logs, of those ``tried``. ``results`` are those of SLAM of
+    each log alone.
     """
 
     poses: tuple[Float64Array, Float64Array]
@@ -90,11 +87,11 @@ def merge_logs(
 ) -> MergedLogs:
     """Return the poses of two logs of one place in one frame.
 
-    Each log is corrected by SLAM from the trajectory that is named, as :func:`mapper.slam.slam_log` does, unless its
-    result is given. ``guess`` (3,) is about the pose of the second map in the first one's, to 5 m, in any direction;
-    without it the second map is searched for everywhere. ``progress`` is called as the work goes on; if it returns
-    False, :class:`MergeCancelled` is raised. Raises what :func:`slam_log` raises, and :class:`ConfigError` where the
-    logs do not show one place.
+    Each log is corrected by SLAM from the named trajectory, like :func:`mapper.slam.slam_log`, unless its result is
+    passed. ``guess`` (3,) is the approximate pose of the second map in the first one's, within 5 m, in any direction;
+    without it the second map is searched for everywhere. ``progress`` is called during the work; if it returns False,
+    :class:`MergeCancelled` is raised. Raises the errors of :func:`slam_log`, and :class:`ConfigError` if the logs do
+    not show one place.
     """
     config = config or SlamConfig()
     began = time.process_time()
@@ -159,7 +156,7 @@ def merge_logs(
 
 
 def map_along(parts: list[tuple[ScanLog, Float64Array]]) -> OccupancyGrid:
-    """Return one map of logs along poses (n_scans, 3) in one frame, all scans of the first log before the next's."""
+    """Map logs along poses (n_scans, 3) in one frame, all scans of the first log before the next log's."""
     config = MappingConfig().with_values(RECORDED)
     logs = [replace(log, trajectories={MERGED: Trajectory(poses, "poses corrected by SLAM")}) for log, poses in parts]
     grid = grid_for(logs[0], config, MERGED)
@@ -175,7 +172,7 @@ def _accepted(loops: list[Loop]) -> int:
 
 
 class _Joint:
-    """The scans of both logs in one store, the first log's before the second's."""
+    """The scans of both logs in one store, first log first."""
 
     def __init__(
         self, logs: tuple[ScanLog, ScanLog], results: tuple[SlamResult, SlamResult], config: SlamConfig
@@ -194,7 +191,7 @@ class _Joint:
         self._places: dict[int, Place] = {}
 
     def loops_at(self, placed: Float64Array) -> list[Loop]:
-        """Return the loops that are tried from scans of the second log, with its frame at ``placed`` (3,)."""
+        """Try loops from scans of the second log, with its frame at ``placed`` (3,)."""
         poses = self._poses_at(placed)
         here, there = poses[: self.split], poses[self.split :]
         size = 2 * int(self._config.submap_scans)
@@ -250,16 +247,16 @@ class _Joint:
         poses[:, 2] = wrap_angle(poses[:, 2])
         parts = []
         for log, result, own in zip(self._logs, self._results, (poses[: self.split], poses[self.split :]), strict=True):
-            # What lies between the nodes moves with them, as SLAM of the log by itself has it.
+            # Scans between the nodes move with them, as in SLAM of the log alone.
             parts.append(carry(result.graph.nodes, own, result.poses, seconds(log)))
         # The frame is that of the first log's first pose, which does not move.
         return replace(graph, poses=poses), (parts[0], parts[1])
 
 
 def merged_graph(logs: tuple[ScanLog, ScanLog], merged: MergedLogs) -> tuple[PoseGraph, LoopCandidates]:
-    """Return the graph of both logs, numbered as the scans of :func:`mapper.slam.merged_log`, and all loops tried.
+    """Return the graph of both logs, numbered as in :func:`mapper.slam.merged_log`, and all loops tried.
 
-    These are the loops that were tried within each log, and those from scans of the second one to the first.
+    These are the loops tried within each log, and those from scans of the second log to the first.
     """
     graph, split = merged.graph, merged.split
     n = len(graph.nodes)
@@ -272,7 +269,7 @@ def merged_graph(logs: tuple[ScanLog, ScanLog], merged: MergedLogs) -> tuple[Pos
         np.concatenate([getattr(part, name) for part in parts]) for name in ("i", "j", "score", "inliers", "accepted")
     )
     nodes, rows = graph.nodes, np.arange(n)
-    if int(logs[1].stamps_ns.max()) < int(logs[0].stamps_ns.min()):  # the second log's scans are first there
+    if int(logs[1].stamps_ns.max()) < int(logs[0].stamps_ns.min()):  # the second log comes first in the merged log
         rows = (rows + n - split) % n
         is_second = nodes >= logs[0].n_scans
         nodes = np.where(is_second, nodes - logs[0].n_scans, nodes + logs[1].n_scans)

@@ -1,4 +1,4 @@
-"""The scans of two merged logs as one log, along their poses in one frame."""
+"""Merging of the scans of two logs into one log, along poses in one frame."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from mapper.core.array_types import Float64Array
 from mapper.sensors.joint_log import JointLog, part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog, Trajectory
 
-_NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9_/]")  #: of a topic of ROS 2
+_NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9_/]")  #: characters not allowed in a topic of ROS 2
 
 MERGED = "merged"  #: name of the trajectory
-BETWEEN_NS = 1_000_000_000  #: from the last scan of one log to the first of the next, where a clock is set
-#: What two lidars have in common if their scans may be rows of one log.
+BETWEEN_NS = 1_000_000_000  #: from the last scan of one log to the first of the next, if a clock is shifted
+#: Properties that two lidars must share for their scans to be rows of one log.
 _SAME = (
     "n_beams", "angle_min", "angle_increment", "range_min", "range_max", "mount", "beam_width", "upside_down",
     "time_increment", "scan_time",
@@ -23,12 +23,12 @@ _SAME = (
 
 
 def merged_log(logs: tuple[ScanLog, ScanLog], poses: tuple[Float64Array, Float64Array]) -> tuple[ScanLog, str]:
-    """Return the scans of both logs, the earlier log's before the other's, with the one trajectory :data:`MERGED`.
+    """Return the scans of both logs, the earlier log first, with the single trajectory :data:`MERGED`.
 
-    ``poses`` are (n_scans, 3) each, ``T_map_base`` in one frame. If each log has one lidar, and they are alike, they
-    one sensor on ``/scan``; otherwise each remains a sensor, on its topic behind ``/first`` or ``/second``.
-    Where they overlap in time, the second log's clock is set so that it begins a second after the first log's end; the
-    text says so, else it is empty.
+    ``poses`` are (n_scans, 3) each, ``T_map_base`` in one frame. If each log has one lidar with equal properties, they
+    become one sensor on ``/scan``; otherwise each remains a sensor, its topic prefixed with ``/first`` or ``/second``.
+    If the logs overlap in time, the second log's clock is shifted to start one second after the end of the first; the
+    returned text says so, otherwise it is empty.
     """
     (start, end), (other_start, other_end) = ((int(log.stamps_ns.min()), int(log.stamps_ns.max())) for log in logs)
     shift = end + BETWEEN_NS - other_start if start <= other_end and other_start <= end else 0
@@ -44,7 +44,7 @@ def merged_log(logs: tuple[ScanLog, ScanLog], poses: tuple[Float64Array, Float64
 
 
 def _sensors(log: ScanLog, poses: Float64Array, name: str, shift: int) -> list[ScanLog]:
-    """Return the sensors of a log, with nothing else than their scans along ``poses`` (n_scans, 3) of all of them."""
+    """Return the sensors of a log with only their scans along ``poses`` (n_scans, 3) of all sensors."""
     owner = part_of_scan(log)
     return [
         replace(

@@ -1,4 +1,4 @@
-"""Choice of the poses of a log that are its odometry, and of the scans that are matched."""
+"""Selection of a log's odometry, and of the scans to match."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
 
-SHORT_S = 0.1  #: seconds: within them scans that are not matched are interpolated without harm
-LONG_S = 0.5  #: seconds: poses that are farther apart do not tell the velocity
-FAR, FAR_TURN = 0.2, 0.2  #: metres, radians: that the robot may be expected to move from a matched scan to the next
+SHORT_S = 0.1  #: seconds within which unmatched scans can be interpolated
+LONG_S = 0.5  #: seconds: poses farther apart do not determine the velocity
+FAR, FAR_TURN = 0.2, 0.2  #: metres, radians: maximum expected motion between matched scans
 
 
 def odometry_name(log: ScanLog) -> str | None:
-    """Return the trajectory to begin with: the first in a frame ``odom``, else the log's first; None for none.
+    """Return the trajectory used as odometry: the first in a frame ``odom``, else the log's first; None if there is
+    none.
 
-    Placeholders and poses that never change are none: then the scans alone count.
+    Placeholders and poses that never change are not odometry; then only the scans are used.
     """
     moving = [
         name
@@ -38,12 +39,12 @@ def motions(poses: Float64Array) -> Float64Array:
 
 
 def matched_scans(sensor: NDArray[np.int64], poses: Float64Array | None, config: SlamConfig) -> NDArray[np.int64]:
-    """Return the scans to match: those at which the odometry ``poses`` (n_scans, 3) moved or turned enough.
+    """Return the scans to match: those at which the odometry ``poses`` (n_scans, 3) has moved or turned enough.
 
-    The first and the last of each sensor, ``sensor`` (n_scans,), are always matched, and what is enough counts since
-    the last matched scan of the same sensor. Where they are more than ``max_nodes``, the distances are doubled until
-    they are not. Without odometry (None) it is all scans, or ``max_nodes`` of them, evenly spread;
-    :func:`next_scan` passes over some of them.
+    Motion counts from the previous matched scan of the same sensor, ``sensor`` (n_scans,), and the first and the last
+    scan of each sensor are always matched. If there are more than ``max_nodes``, the distances are doubled until there
+    are not. Without odometry (None) it is all scans, or ``max_nodes`` of them evenly spaced, of which :func:`next_scan`
+    skips some.
     """
     if poses is None:
         n, most = len(sensor), int(config.max_nodes)
@@ -60,9 +61,9 @@ def matched_scans(sensor: NDArray[np.int64], poses: Float64Array | None, config:
 def next_scan(k: int, times: Float64Array, velocity: Float64Array) -> int:
     """Return which of the scans at ``times`` (n,), seconds, to match after scan k without odometry.
 
-    It is the last one within :data:`SHORT_S`, until which a robot that moves on with ``velocity`` (3,), metres and
-    radians a second, does not come farther than :data:`FAR` and :data:`FAR_TURN`; scan k + 1 where the times do not
-    tell. A longer time would not do, even where the robot seems to stand: along a corridor its motion is not seen.
+    It is the last one within :data:`SHORT_S` before which a robot with ``velocity`` (3,), metres and radians per
+    second, moves no more than :data:`FAR` and :data:`FAR_TURN`; scan k + 1 if the times are not usable. A longer time
+    is not allowed even if the robot seems to be at rest, because its motion along a corridor is not observed.
     """
     speed, turning = float(np.hypot(velocity[0], velocity[1])), abs(float(velocity[2]))
     end = times[k] + min(SHORT_S, FAR / max(speed, 1e-9), FAR_TURN / max(turning, 1e-9)) + 1e-6
@@ -73,9 +74,9 @@ def next_scan(k: int, times: Float64Array, velocity: Float64Array) -> int:
 
 
 def sweep_velocities(log: ScanLog, name: str) -> Float64Array:
-    """Return the velocity (n_scans, 3) of the base while each scan was taken, by a trajectory, in the base's frame.
+    """Return the velocity (n_scans, 3) of the base during each scan, from a trajectory, in the base's frame.
 
-    Metres and radians a second; 0 for scans of sensors that do not state the times of their beams.
+    Metres and radians per second; 0 for scans of sensors without times between beams.
     """
     out = np.zeros((log.n_scans, 3))
     for number, part in enumerate(sensors_of(log)):
@@ -88,10 +89,10 @@ def sweep_velocities(log: ScanLog, name: str) -> Float64Array:
 
 
 def velocities_along(times: Float64Array, poses: Float64Array) -> Float64Array:
-    """Return the velocity (n, 3) at each of ``poses`` (n, 3), until the next, in its own frame, a second.
+    """Return the velocity (n, 3) from each of ``poses`` (n, 3) to the next, in its own frame, per second.
 
-    At the last pose, and where the next is later than :data:`LONG_S`, it is that since the one before; 0 where that is
-    longer ago too.
+    At the last pose, and if the next is later than :data:`LONG_S`, it is that from the pose before; 0 if that is also
+    too long ago.
     """
     out = np.zeros_like(poses)
     if len(poses) < 2:
@@ -124,11 +125,11 @@ def _spaced(poses: Float64Array, distance: float, turn: float) -> NDArray[np.int
 def carry(
     nodes: NDArray[np.int64], node_poses: Float64Array, odometry: Float64Array | None, times: Float64Array
 ) -> Float64Array:
-    """Return poses (n, 3) of the scans up to the last node: those of the nodes (m,), and between them the odometry.
+    """Return poses (n, 3) of the scans up to the last node: those of the nodes (m,), with odometry in between.
 
-    ``odometry`` (n, 3) is chained from the node before and from the node after, and the difference of the two is
-    distributed in proportion to the motion. Without it (None) poses are interpolated by the scans' ``times`` (n,), and
-    by their numbers where time does not pass.
+    ``odometry`` (n, 3) is chained from the node before, and its difference at the node after is distributed in
+    proportion to the motion. Without odometry (None), poses are interpolated by the scans' ``times`` (n,), or by their
+    indices if times are equal.
     """
     every = np.arange(int(nodes[-1]) + 1)
     low = np.clip(np.searchsorted(nodes, every, side="right") - 1, 0, max(0, len(nodes) - 2))

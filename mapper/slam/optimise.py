@@ -1,8 +1,8 @@
-"""The poses of a graph that fit its edges best, with loops that contradict the rest given less weight.
+"""Optimisation of a pose graph, with reduced weights for loops that contradict the rest.
 
-Source: Grisetti et al. 2010, A tutorial on graph-based SLAM, for the least squares; Yang et al. 2020, Graduated
-non-convexity for robust spatial perception, for the robust kernel: its scale starts so large that the problem is as
-good as convex, and shrinks.
+Sources: Grisetti et al. 2010, A tutorial on graph-based SLAM, for the least squares; Yang et al. 2020, Graduated
+non-convexity for robust spatial perception, for the robust kernel, whose scale starts so large that the problem is
+nearly convex, and shrinks.
 """
 
 from __future__ import annotations
@@ -19,16 +19,13 @@ from mapper.slam.kernels.edges import edge_errors, linearise_edges, squared_erro
 from mapper.slam.sparse_system import SparseSystem
 
 MAX_ITERATIONS = 60
-STOP = 1e-5  #: metres and radians: the largest step after which the poses count as found
-SHRINK = 0.25  #: of the squared scale of the kernel, from one iteration to the next
-GREATEST_TURN = 0.5  #: radians: of one step, where the linearisation holds
+STOP = 1e-5  #: metres and radians: the iteration has converged when no step is larger
+SHRINK = 0.25  #: factor of the squared scale of the kernel per iteration
+GREATEST_TURN = 0.5  #: radians: maximum rotation of one step, within which the linearisation holds
 
 
 def robust_weights(kernel: str, chi2: Float64Array, scale: float) -> Float64Array:
-    """Return the weight (e,), 0 … 1, that a kernel leaves to squared residuals ``chi2`` (e,) for a scale.
-
-    Source: Zhang 1997, Parameter estimation techniques.
-    """
+    """Return the weights (e,), 0 to 1, of a kernel for squared residuals ``chi2`` (e,) and a scale."""
     ratio = chi2 / (scale * scale)
     if kernel == "geman_mcclure":
         return np.asarray(1.0 / (1.0 + ratio) ** 2)
@@ -52,8 +49,8 @@ def optimise(
 
     The first node does not move. The robust kernel ρ (:func:`robust_weights`) applies to loops that are not locked; its
     scale starts at the largest residual. The starting poses are the graph's. ``system`` is a :class:`SparseSystem` of
-    the graph's edges to use again. ``check`` is called from time to time; what it raises ends the work. Raises
-    :class:`ConfigError` where the edges leave a pose undetermined.
+    the graph's edges to reuse. ``check`` is called from time to time and may raise to cancel the work. Raises
+    :class:`ConfigError` if the edges leave a pose undetermined.
     """
     m = len(graph.nodes)
     if m == 0 or not len(graph.i):
@@ -100,10 +97,10 @@ def optimise(
 def optimise_newest(
     graph: PoseGraph, first: int, robust: str, robust_scale: float, max_iterations: int
 ) -> Float64Array:
-    """Return the poses (n − first, 3) of the nodes from row ``first`` on that fit their edges best; earlier ones stay.
+    """Return the optimised poses (n − first, 3) of the nodes from row ``first`` on; earlier nodes do not move.
 
     ``first`` is at least 1; the other parameters are those of :func:`optimise`. The time depends on the number of
-    nodes that move and of loops they have, not on that of all nodes.
+    moving nodes and their loops, not on the total number of nodes.
     """
     is_newest = (graph.i >= first) | (graph.j >= first)
     ends = np.column_stack([graph.i[is_newest], graph.j[is_newest]])

@@ -1,10 +1,10 @@
-"""Place recognition: loops that are off by more than the window search reaches.
+"""Place recognition: loops with a larger error than the window search covers.
 
-Each submap, some metres of the way, is a local map (:mod:`mapper.slam.local_map`). Its corners are paired with those of
-earlier submaps by their descriptors, and RANSAC finds the relative pose. Scans of the submap are then matched with the
-earlier ones from there as in every loop. No loop is accepted by itself: only a group of them whose relative poses agree
-with one another along the way driven between them (Mangelson et al. 2018), which spans some metres, leaves no direction
-uncertain, is contradicted by no free space along the way, and has no competitor: no other group at another place.
+Each submap, some metres of path, is a local map (:mod:`mapper.slam.local_map`). Its corners are paired with those of
+earlier submaps by their descriptors, and RANSAC finds the relative pose. From there, scans of the submap are matched
+with the earlier ones as for every loop. A single loop is never accepted, only a group of loops whose relative poses
+agree with each other along the driven path between them (Mangelson et al. 2018). The group must span some metres, leave
+no direction uncertain, not be contradicted by free space along the path, and have no competing group at another place.
 """
 
 from __future__ import annotations
@@ -27,35 +27,35 @@ from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted, spread
 
-MOST_STEPS = 20_000  #: of the search, after which the largest group so far counts
-STAGE = "place recognition: "  #: begins the reasons of what is refused here
-SPACING = 2.5  #: metres of the way between the ends of two submaps, so that a place lies well inside of one
-LEAST_WAY = 20.0  #: metres driven between two submaps, for them to be a loop
-TURN_WINDOW, TURN_DRIFT, MOST_TURN = 0.3, 0.01, np.pi  #: radians, radians for each metre of the way, radians
+MOST_STEPS = 20_000  #: of the search, after which the largest group so far is used
+STAGE = "place recognition: "  #: prefix of the reasons for refusal
+SPACING = 2.5  #: metres of path between the ends of two submaps, so that a place lies well inside one
+LEAST_WAY = 20.0  #: metres driven between two submaps for them to form a loop
+TURN_WINDOW, TURN_DRIFT, MOST_TURN = 0.3, 0.01, np.pi  #: radians, radians per metre of path, radians
 NEAREST = 5  #: descriptors that each corner is paired with
-TOLERANCE, LEAST_DISTANCE = 0.3, 1.0  #: metres: of a corner's place, and between the corners of a draw
-MOST_SUBMAPS = 60  #: earlier ones that a submap is compared with
-KEPT_MAPS = 500  #: local maps, looked at last
-VERIFIED = 3  #: earlier ones whose poses are verified
-SCANS = 4  #: of a submap that are matched with the earlier one
-MEMBERS = 40  #: scans of the earlier submap that they are matched with
+TOLERANCE, LEAST_DISTANCE = 0.3, 1.0  #: metres: of a corner's position, and between the corners of a sample
+MOST_SUBMAPS = 60  #: earlier submaps with which a submap is compared
+KEPT_MAPS = 500  #: local maps cached, most recently used
+VERIFIED = 3  #: earlier submaps whose poses are verified
+SCANS = 4  #: scans of a submap that are matched with the earlier one
+MEMBERS = 40  #: scans of the earlier submap with which they are matched
 WINDOW, TURN = 0.6, 0.15  #: metres, radians: around RANSAC's pose, to each side
-MEMORY = 60.0  #: metres of the way, after which a loop no longer waits for others
-LEAST_SPAN = 2.0  #: metres between the two loops of a group that are farthest apart: scans at one place say the same
-OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres for each metre driven, that two loops may disagree
-TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre driven
+MEMORY = 60.0  #: metres of path after which a loop stops waiting for others
+LEAST_SPAN = 2.0  #: metres between the two most distant loops of a group: scans at one place are not independent
+OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres per metre driven, that two loops may disagree
+TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians per metre driven
 MOST_UNCERTAIN = 0.1  #: metres: standard deviation of a group in its least certain direction
 CONTRADICTING = (
     0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
 )
-LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop with which the graph is consistent
+LEAST_WEIGHT = 0.5  #: robust kernel weight of a loop with which the graph is consistent
 
 
 def largest_consistent(consistent: BoolArray) -> Int64Array:
-    """Return the numbers of the largest group (k,), in ascending order; ``consistent`` (n, n) is symmetric.
+    """Return the indices of the largest group (k,), ascending; ``consistent`` (n, n) is symmetric.
 
-    It is a maximum clique, found with Bron and Kerbosch's algorithm with pivots (Tomita 2006) and a bound; of equally
-    large ones the first that is found.
+    It is a maximum clique, found by the Bron–Kerbosch algorithm with pivoting (Tomita 2006) and a bound; of equally
+    large ones the first found.
     """
     n = len(consistent)
     others = [
@@ -63,7 +63,7 @@ def largest_consistent(consistent: BoolArray) -> Int64Array:
     ]
     best: list[int] = []
     steps = 0
-    # Of each open branch: the group so far, what can still be added, and what was tried before.
+    # For each open branch: the group so far, the remaining candidates, and the vertices already processed.
     stack: list[tuple[list[int], set[int], set[int]]] = [([], set(range(n)), set())]
     while stack and steps < MOST_STEPS:
         steps += 1
@@ -84,7 +84,7 @@ def largest_consistent(consistent: BoolArray) -> Int64Array:
 
 @dataclass(frozen=True, slots=True)
 class _Waiting:
-    """A loop that waits for others: its place in the list of all loops that were tried."""
+    """A loop that waits for others: its index in the list of all tried loops."""
 
     number: int
     loop: Loop
@@ -97,25 +97,25 @@ class PlaceRecognizer:
         self._store, self._front_end, self._config = store, front_end, config
         self._rule = pair_rule(store.least_step)
         self._submaps: list[Int64Array] = []  # their nodes
-        self._maps: OrderedDict[int, LocalMap] = OrderedDict()  # of those that were looked at last
-        self._next = config.place_length  # metres of the way, where the next submap ends
+        self._maps: OrderedDict[int, LocalMap] = OrderedDict()  # most recently used
+        self._next = config.place_length  # metres of path at which the next submap ends
         self._waiting: list[_Waiting] = []
 
     def try_at(
         self, j: int, poses: Float64Array, driven: Float64Array, loops: list[Loop], tried: list[Loop]
     ) -> list[int]:
-        """Look for places from node j, and add what was tried to ``tried``; return which of those form a group.
+        """Search for places from node j and append the tried loops to ``tried``; return the indices of those forming a
+        group.
 
         ``poses`` (j + 1, 3) are ``T_map_base``, ``driven`` (j + 1,) the metres driven, ``loops`` those accepted before.
-        What waits for others stands in ``tried`` as refused. A group that is returned is then given to :meth:`accept`
-        or :meth:`refuse`.
+        Waiting loops are in ``tried`` as refused. A returned group must be passed to :meth:`accept` or :meth:`refuse`.
         """
         if driven[j] < self._next:
             return []
         self._next = driven[j] + SPACING
         members = np.flatnonzero(driven > driven[j] - self._config.place_length)
         self._submaps.append(members)
-        # A submap from which a loop closed is where it is known to be.
+        # A submap from which a loop was closed already has a known position.
         if any(loop.j >= members[0] for loop in reversed(loops)):
             return []
         drift = graph_ways(j, driven, loops)
@@ -127,18 +127,18 @@ class PlaceRecognizer:
         return self._group(poses, driven, tried)
 
     def candidates(self, numbers: Sequence[int]) -> list[Loop]:
-        """Return the loops of a group that was returned."""
+        """Return the loops of a returned group."""
         return [candidate.loop for candidate in self._waiting if candidate.number in numbers]
 
     def accept(self, numbers: Sequence[int], tried: list[Loop]) -> None:
-        """Accept the loops of a group. No other loop waits any longer."""
+        """Accept the loops of a group. All other waiting loops are dropped."""
         for candidate in self._waiting:
             if candidate.number in numbers:
                 tried[candidate.number] = candidate.loop
         self._waiting = []
 
     def refuse(self, numbers: Sequence[int], tried: list[Loop], reason: str) -> None:
-        """Refuse the loops of a group for good."""
+        """Refuse the loops of a group permanently."""
         self._waiting = [candidate for candidate in self._waiting if candidate.number not in numbers]
         for number in numbers:
             tried[number] = refused(tried[number], reason)
@@ -165,7 +165,7 @@ class PlaceRecognizer:
         possible = np.flatnonzero(
             (driven[new[0]] - driven[last] >= LEAST_WAY) & (away <= window + self._config.place_length)
         )
-        # Of many those where the pose is least in doubt.
+        # If there are many, those with the least uncertain pose.
         possible = np.sort(possible[np.argsort(away[possible] - window[possible], kind="stable")][:MOST_SUBMAPS])
         recognized: list[tuple[int, int, Float64Array]] = []
         most = 0
@@ -188,7 +188,9 @@ class PlaceRecognizer:
             self._verify(self._map(newest), self._map(number), pose, tried)
 
     def _verify(self, new: LocalMap, old: LocalMap, pose: Float64Array, tried: list[Loop]) -> None:
-        """Match scans of the newest submap with an earlier one, from the ``pose`` (3,) of the one in the other."""
+        """Match scans of the newest submap with an earlier one, starting from the ``pose`` (3,) of the first in the
+        second.
+        """
         local = self._front_end.poses
         place = Place.of(self._store, spread(old.members, MEMBERS), local, self._config.range_max)
         at = compose(local[old.origin], pose)
@@ -202,7 +204,7 @@ class PlaceRecognizer:
                 tried.append(refused(loop, loop.reason))
 
     def _group(self, poses: Float64Array, driven: Float64Array, tried: list[Loop]) -> list[int]:
-        """Return the loops that wait and form a group, none where something refuses it, and say what."""
+        """Return the waiting loops that form a group, or none, with the reason, if it is refused."""
         waiting = [candidate.loop for candidate in self._waiting]
         if len(waiting) < self._config.place_group:
             return []
@@ -225,7 +227,7 @@ class PlaceRecognizer:
         return numbers
 
     def _agree(self, waiting: list[Loop], poses: Float64Array, driven: Float64Array) -> BoolArray:
-        """Return which two loops (n, n) agree: the poses around the circle of both return to where they began."""
+        """Return which pairs of loops (n, n) agree: the poses around the cycle of both return to the start."""
         n = len(waiting)
         agree = np.zeros((n, n), dtype=np.bool_)
         measured = np.array([loop.relative for loop in waiting])
@@ -242,7 +244,7 @@ class PlaceRecognizer:
         return agree
 
     def _reason_against(self, group: list[Loop], poses: Float64Array, driven: Float64Array) -> str:
-        """Return what refuses a group of loops that agree, "" for nothing."""
+        """Return the reason to refuse a group of agreeing loops, "" for none."""
         ends = poses[[loop.j for loop in group], :2]
         span = float(np.hypot(*(ends[:, np.newaxis] - ends).reshape(-1, 2).T).max())
         if span < LEAST_SPAN:
@@ -264,10 +266,10 @@ class PlaceRecognizer:
 
 
 def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
-    """Return why a graph refuses the loops at its end that it has more than ``before``, "" for no reason.
+    """Return the reason to refuse the loops that a graph has beyond ``before``, "" for none.
 
-    ``after`` is optimised, ``before`` has the weights at the poses so far. Refused is a group that the robust kernel
-    gives little weight, or that takes it from more than half as many other loops.
+    ``after`` is optimised, ``before`` has the weights at the previous poses. A group is refused if the robust kernel
+    gives it a low weight, or if it removes weight from more than half as many other loops.
     """
     n = len(before.weight)
     if (after.weight[n:] < LEAST_WEIGHT).any():
@@ -281,7 +283,7 @@ def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
 def _corners_in_common(
     new: LocalMap, old: LocalMap, guess: Float64Array, window: float, turn_window: float, pose: Float64Array
 ) -> int:
-    """Write the pose (3,) of the new map in the old one on which most corners agree; return how many do."""
+    """Write the pose (3,) of the new map in the old one on which most corners agree; return their number."""
     if not len(new.corners) or not len(old.corners):
         return 0
     near = np.empty((len(new.corners), min(NEAREST, len(old.corners))), dtype=np.int64)
@@ -292,13 +294,13 @@ def _corners_in_common(
 
 
 def _of_place(information: Float64Array) -> Float64Array:
-    """Return the information (2, 2) of x and y of a pose's (3, 3), whatever the angle is."""
+    """Return the information (2, 2) of x and y, marginalised over the angle, from a pose's (3, 3)."""
     part = information[:2, 2:] @ information[2:, :2] / max(float(information[2, 2]), 1e-12)
     return np.asarray(information[:2, :2] - part)
 
 
 def refused(loop: Loop, reason: str) -> Loop:
-    """Return the loop as one that place recognition refused."""
+    """Return the loop as refused by place recognition."""
     return replace(loop, reason=f"{STAGE}{reason}")
 
 

@@ -1,4 +1,4 @@
-"""Place recognition as its sources print it, with plain NumPy: local maps, corners, descriptors, RANSAC.
+"""Place recognition as in its sources, in plain NumPy: local maps, corners, descriptors, RANSAC.
 
 Sources: Harris & Stephens 1988, A combined corner and edge detector; Tipaldi & Arras 2010, FLIRT; Fischler & Bolles
 1981, Random sample consensus; Mangelson et al. 2018, Pairwise consistent measurement set maximization.
@@ -26,11 +26,12 @@ def local_map(
     resolution: float,
     reach: float,
 ) -> tuple[Int64Array, Int64Array, Float64Array]:
-    """Return how many beams of scans at ``poses`` (k, 3) end in each cell and how many pass through it, (rows, cols).
+    """Return the number of beams of scans at ``poses`` (k, 3) that end in each cell and that pass through it, (rows,
+    cols).
 
     The third array (rows, cols, 3) is Σ n_x², Σ n_x n_y and Σ n_y² of the normals of the points in a cell. ``low`` (2,)
-    is the corner of the first cell. A beam passes through the cells of the points that lie whole cell widths from its
-    sensor, up to ``reach`` metres; it ends nowhere where it is longer.
+    is the corner of the first cell. A beam passes through the cells of the points at whole cell widths from its sensor,
+    up to ``reach`` metres; a longer beam has no end.
     """
     hits, passes = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
     tensors = np.zeros((*shape, 3))
@@ -59,16 +60,13 @@ def local_map(
 
 
 def cell_states(hits: Int64Array, passes: Int64Array, most_passes: int) -> NDArray[np.uint8]:
-    """Return what each cell is (rows, cols): a wall where of the beams not too many pass, else free, else unknown."""
+    """Return the state of each cell (rows, cols): wall unless too many beams pass, else free, else unknown."""
     is_wall = (hits > 0) & (most_passes * hits >= passes)
     return np.where(is_wall, WALL, np.where(passes > 0, FREE, UNKNOWN)).astype(np.uint8)
 
 
 def corner_strengths(states: NDArray[np.uint8], hits: Int64Array, tensors: Float64Array, radius: int) -> Float64Array:
-    """Return the smaller eigenvalue of Σ n nᵀ over the walls within ``radius`` cells of each wall's cell, else 0.
-
-    Each cell counts once, with the mean of its points.
-    """
+    """Return the smaller eigenvalue of Σ n nᵀ over the walls within ``radius`` cells of each wall cell, else 0."""
     means = np.where((states == WALL)[..., np.newaxis], tensors / np.maximum(hits, 1)[..., np.newaxis], 0.0)
     out = np.zeros(states.shape)
     row, col = np.mgrid[: states.shape[0], : states.shape[1]]
@@ -81,7 +79,9 @@ def corner_strengths(states: NDArray[np.uint8], hits: Int64Array, tensors: Float
 def polar_shares(
     states: NDArray[np.uint8], keypoints: Int64Array, rings: int, sectors: int, radius: int
 ) -> NDArray[np.float32]:
-    """Return which share of each bin's cells around each keypoint (k, 2) is a wall, and which is free (k, 2, bins)."""
+    """Return the fraction of each bin's cells around each keypoint (k, 2) that are walls, and that are free (k, 2,
+    bins).
+    """
     row, col = np.mgrid[-radius : radius + 1, -radius : radius + 1]
     ring = np.floor(np.hypot(row, col) * rings / (radius + 0.5)).astype(np.int64)
     sector = np.floor(np.arctan2(row, col) / (2.0 * np.pi) * sectors).astype(np.int64) % sectors
@@ -98,7 +98,9 @@ def polar_shares(
 
 
 def nearest_descriptors(ours: NDArray[np.float32], theirs: NDArray[np.float32], k: int) -> Int64Array:
-    """Return which of the descriptors ``theirs`` (n, d) are nearest to each of ``ours`` (m, d), (m, k), −1 for none."""
+    """Return the indices (m, k) of the descriptors ``theirs`` (n, d) nearest to each of ``ours`` (m, d), −1 for
+    none.
+    """
     out = np.full((len(ours), k), -1, dtype=np.int64)
     for a, row in enumerate(ours.astype(np.float64)):
         squares = np.array([sum(off * off for off in (row - other).tolist()) for other in theirs.astype(np.float64)])
@@ -116,10 +118,7 @@ def pose_of_pairs(
     tolerance: float,
     least_distance: float,
 ) -> tuple[int, float]:
-    """Return how many points agree with the best pose that two pairs of points give, and their least sum of squares.
-
-    See :func:`mapper.slam.kernels.keypoint_pairs.pose_of_pairs`.
-    """
+    """Return the number of points that agree with the best pose from two pairs of points, and their sum of squares."""
     best = (0, 0.0)
     for p, q in combinations(range(len(ours)), 2):
         a, b = ours[q] - ours[p], theirs[q] - theirs[p]
@@ -139,7 +138,7 @@ def pose_of_pairs(
 
 
 def largest_consistent(consistent: NDArray[np.bool_]) -> int:
-    """Return how many members the largest group has in which each two are ``consistent`` (n, n), by trying all."""
+    """Return the size of the largest group in which all pairs are ``consistent`` (n, n), by exhaustive search."""
     n = len(consistent)
     for size in range(n, 0, -1):
         for group in combinations(range(n), size):

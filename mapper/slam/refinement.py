@@ -1,4 +1,4 @@
-"""Joint refinement: all scans aligned with their neighbours in space at once.
+"""Joint refinement: all scans are aligned with their spatial neighbours at once.
 
 Source: Lu & Milios 1997, with point-to-line residuals (Censi 2008) in place of their relative poses.
 """
@@ -26,11 +26,10 @@ from mapper.slam.sparse_system import SparseSystem
 
 
 class PartedSystem:
-    """The system H Δ = b of poses (n, 3) that ``pairs`` (p, 2) of them contribute to; the first does not move.
+    """The system H Δ = b over poses (n, 3) with contributions of ``pairs`` (p, 2) of them; the first pose is fixed.
 
-    Up to ``most`` poses are one :class:`SparseSystem`, and its solution is exact. More are divided by place into parts
-    of at most ``most``, one of which is held in memory at a time; each :meth:`solve` is one sweep over them, in the
-    opposite order of the one before.
+    Up to ``most`` poses are one :class:`SparseSystem`, solved exactly. More are divided spatially into parts of at most
+    ``most``, one of which is in memory at a time; each :meth:`solve` is one sweep over them, in alternating order.
     """
 
     def __init__(self, poses: Float64Array, pairs: Int64Array, most: int) -> None:
@@ -46,7 +45,7 @@ class PartedSystem:
         damping: float = 0.0,
         check: Callable[[], None] | None = None,
     ) -> Float64Array:
-        """Return Δ (n, 3), as :meth:`SparseSystem.solve` does, after one sweep."""
+        """Return Δ (n, 3) after one sweep, like :meth:`SparseSystem.solve`."""
         if self._whole is not None:
             self.filled = self._whole.filled
             return self._whole.solve(hessians, gradients, damping, check)
@@ -67,9 +66,9 @@ class PartedSystem:
 
 
 def divided(places: Float64Array, most: int) -> list[Int64Array]:
-    """Return the numbers of places (n, 2), in parts of at most ``most``: halved across the longer side until they are.
+    """Partition places (n, 2) into parts of at most ``most`` by halving across the longer side; return their indices.
 
-    The numbers of a part ascend.
+    The indices of a part ascend.
     """
     parts = [np.arange(len(places), dtype=np.int64)]
     done: list[Int64Array] = []
@@ -84,20 +83,20 @@ def divided(places: Float64Array, most: int) -> list[Int64Array]:
     return done
 
 
-RADIUS = 2.0  #: metres: a larger one gains nothing and fills the factor
-MOST_NEAR = 400  #: scans within it that are looked at
+RADIUS = 2.0  #: metres: a larger radius has no benefit and fills the factor
+MOST_NEAR = 400  #: scans within the radius that are considered
 BLOCK = 64  #: scans whose neighbours are looked up at once
-BEFORE = 2  #: scans before each one that it is aligned with
+BEFORE = 2  #: previous scans with which each is aligned
 FIRST_GATE, LAST_GATE, SHRINK = 0.3, 0.10, 0.7
 SCALE = 0.05  #: metres: residuals from which pairs lose weight
 LEAST_SHARE, LEAST_PAIRS = 0.35, 25
-COARSE = 2  #: of the beams each second one is paired until the last iteration
-SECOND_SEARCH = 2  #: the iteration before which the neighbours are looked for again
-EDGE_SHARE = 0.2  #: of the graph's information that counts, as the pairs have the same points
+COARSE = 2  #: beam stride until the last iteration
+SECOND_SEARCH = 2  #: iteration before which the neighbours are searched again
+EDGE_SHARE = 0.2  #: factor of the graph's information, because the pairs use the same points
 DAMPING = 1e-9
-PARTS = 16  #: of the pairs, computed on all cores; the sums do not depend on it
-MOST_JOINT = 4_000  #: poses that are solved for at once; more are divided by place, so that memory stays bounded
-MOST_AT_ONCE = 10_000  #: pairs, until it is asked whether the work is cancelled
+PARTS = 16  #: parts of the pairs, computed on all cores; the sums do not depend on it
+MOST_JOINT = 4_000  #: poses solved at once; more are divided spatially, so that memory stays bounded
+MOST_AT_ONCE = 10_000  #: pairs between two checks for cancellation
 
 
 def refine(
@@ -107,9 +106,10 @@ def refine(
     progress: Callable[[float, Float64Array], None] | None = None,
     check: Callable[[], None] | None = None,
 ) -> Float64Array:
-    """Return the poses (m, 3) after the iterations of the config; ``progress`` gets the share done and the poses.
+    """Return the poses (m, 3) after the iterations of the config; ``progress`` receives the fraction done and the
+    poses.
 
-    ``check`` is called from time to time; what it raises ends the work.
+    ``check`` is called from time to time and may raise to cancel the work.
     """
     poses = graph.poses.copy()
     m = len(poses)
@@ -132,7 +132,7 @@ def refine(
             ends = np.column_stack([np.r_[first, edges[0]], np.r_[second, edges[1]]])
             system = PartedSystem(poses, ends, MOST_JOINT)
             hessians, gradients = np.empty((len(ends), 6, 6)), np.empty((len(ends), 6))
-        # Until the last iteration half of the beams tell enough.
+        # Until the last iteration half of the beams are enough.
         stride = 1 if done == iterations else COARSE
         p = len(first)
         blocks, sides = hessians[:p], gradients[:p]
@@ -157,9 +157,9 @@ def _accumulated(
     scans: ScanArrays, first: Int64Array, second: Int64Array, poses: Float64Array, gate: float, rule: PairRule,
     hessians: Float64Array, gradients: Float64Array, check: Callable[[], None] | None,
 ) -> Float64Array:  # fmt: skip
-    """Write ``hessians`` and ``gradients`` as :func:`accumulate_pairs` does, on all cores; return its figures (p, 4).
+    """Write ``hessians`` and ``gradients`` like :func:`accumulate_pairs`, on all cores; return its figures (p, 4).
 
-    Between two shares of :data:`MOST_AT_ONCE` pairs ``check`` is called.
+    ``check`` is called after every :data:`MOST_AT_ONCE` pairs.
     """
     p = len(first)
     figures = np.empty((p, 4))
@@ -182,11 +182,12 @@ def _accumulated(
 def neighbour_pairs(
     poses: Float64Array, n: int, before: int = BEFORE, check: Callable[[], None] | None = None
 ) -> Int64Array:
-    """Return pairs (p, 2) of poses to align: each with the ``before`` ones before it and with ``n`` nearby.
+    """Return pairs (p, 2) of poses to align: each with the ``before`` previous ones and with ``n`` nearby.
 
-    Half of the ``n`` are the nearest in place and heading (1 rad counts as 1 m), the others are spread evenly over the
-    rest within :data:`RADIUS`. Of more than :data:`MOST_NEAR` there, evenly spread ones are looked at. Whose points are
-    laid on whose lines takes turns, for each favours one direction. ``check`` is called from time to time.
+    Half of the ``n`` are the nearest in position and heading (1 rad counts as 1 m), the others are evenly spread over
+    the rest within :data:`RADIUS`. If there are more than :data:`MOST_NEAR`, an evenly spread subset is considered. The
+    roles of points and lines alternate between pairs, because each assignment favours one direction. ``check`` is
+    called from time to time.
     """
     m = len(poses)
     tree = KDTree(poses[:, :2])

@@ -1,4 +1,4 @@
-"""By how much the poses of a graph miss its measurements, as a series for plots."""
+"""Residuals of a graph's measurements at given poses, as a series for plots."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ def residuals(graph: PoseGraph, poses: ArrayLike) -> NDArray[np.float64]:
 
 
 def residual_series(graph: PoseGraph, poses: ArrayLike, stamps_ns: NDArray[np.int64]) -> Series:
-    """Return the residuals of the edges of a graph at the node where each ends, which is the later one.
+    """Return the residuals of a graph's edges, each assigned to its later node.
 
     ``poses`` (m, 3) as for :func:`residuals`, ``stamps_ns`` (m,) the times of the nodes. Columns: distance, m, and
-    angle without sign, rad, of the odometry's edge; then the greatest of each among the loops. NaN where none ends.
+    absolute angle, rad, of the odometry edge; then the maxima of each over the loops. NaN if no such edge ends there.
     """
     off = residuals(graph, poses)
     sizes = np.column_stack([np.hypot(off[:, 0], off[:, 1]), np.abs(off[:, 2])])

@@ -19,11 +19,11 @@ class SlamCancelled(WorkCancelledError):  # noqa: N818 - a cancelled job is no f
 
 @dataclass(frozen=True, slots=True)
 class SlamProgress:
-    """Progress of SLAM: ``fraction`` 0 … 1 of its work.
+    """Progress of SLAM: ``fraction`` of the work, 0 to 1.
 
-    ``stage`` is "front end", "loop closure", just after a loop moved the poses, "comparison", while all scans are added
-    again without recognized places and ``poses`` are those of before, or "refinement". ``scans_done`` is the
-    number k of the scans so far, ``find_poses`` returns their poses; see :attr:`poses`.
+    ``stage`` is "front end"; "loop closure", just after a loop moved the poses; "comparison", while all scans are added
+    again without recognised places and ``poses`` are the previous ones; or "refinement". ``scans_done`` is the number k
+    of scans so far, and ``find_poses`` returns their poses; see :attr:`poses`.
     """
 
     fraction: float
@@ -36,19 +36,18 @@ class SlamProgress:
     def poses(self) -> NDArray[np.float64]:
         """Return the poses (k, 3), ``T_map_base``, of the scans so far.
 
-        They are computed when they are asked for, from what SLAM knows then: that takes longer the more scans there
-        are, and most reports are only counted.
+        They are computed on access from the current state of SLAM, which takes longer with more scans, because most
+        reports only use the counts.
         """
         return self.find_poses()
 
 
 @dataclass(frozen=True, slots=True)
 class LoopCandidates:
-    """The loops that were tried: from node row ``i`` (c,) to node row ``j`` (c,), the later one, of the graph.
+    """The loops tried, from node row ``i`` (c,) to node row ``j`` (c,) of the graph, the later one.
 
-    ``score`` (c,) is the correlation's, 0 … 1 (0 where no pose reached the least score), ``inliers`` (c,) the share of
-    points in view that lie on walls of the earlier scans; ``reason`` says for each why it was refused, "" where it was
-    ``accepted`` (c,).
+    ``score`` (c,) is the correlation's, 0 to 1 (0 if no pose reached the minimum score), ``inliers`` (c,) the fraction
+    of visible points on walls of the earlier scans; ``reason`` is why each was refused, "" if ``accepted`` (c,).
     """
 
     i: NDArray[np.int64]
@@ -60,7 +59,7 @@ class LoopCandidates:
 
     @classmethod
     def of(cls, tried: Sequence[Loop]) -> LoopCandidates:
-        """Return the table of loops that were tried."""
+        """Return the table of the loops tried."""
         return cls(
             np.array([loop.i for loop in tried], dtype=np.int64),
             np.array([loop.j for loop in tried], dtype=np.int64),
@@ -76,10 +75,10 @@ class LoopCandidates:
 
 @dataclass(frozen=True, slots=True)
 class SlamResult:
-    """The poses (n_scans, 3), ``T_map_base``, of all scans in the log's order, and where they come from.
+    """The poses (n_scans, 3), ``T_map_base``, of all scans in log order, and their origin.
 
-    ``odometry`` names the trajectory that the motions between scans came from, None for none; ``cpu_seconds`` is the
-    processor time; ``notes`` are one sentence each on what could not be used.
+    ``odometry`` is the trajectory that provided the motions between scans, None for none; ``cpu_seconds`` is the
+    processor time; ``notes`` are one sentence each on data that could not be used.
     """
 
     poses: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""The matched scans as points and normals in the base frame, in arrays that grow."""
+"""Matched scans as points and normals in the base frame, in growing arrays."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from mapper.matching.kernels.types import NO_POINT, ScanArrays
 from mapper.sensors.joint_log import part_of_scan, sensor_numbers, sensors_of
 from mapper.sensors.scan import ScanLog
 
-FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
+FIRST_ROWS = 512  #: initial capacity in scans; it is doubled when full
 
 Kind = TypeVar("Kind", bound=np.generic)
 
 
 class ScanStore:
-    """Scans of one sensor or several, prepared for matching, in the order in which they were appended.
+    """Scans of one or several sensors, prepared for matching, in insertion order.
 
-    Beams are turned into the order of their bearing in the base frame, seen from above; of more than ``max_beams``
-    each second, third … is taken. Readings from ``range_max`` metres on are left out. ``sensors`` are the numbers of
-    the sensors that the logs are of, None: :func:`sensor_numbers`. Raises :class:`ConfigError` for sonars and for a
-    sensor of fewer than three beams.
+    Beams are ordered by bearing in the base frame, seen from above; if there are more than ``max_beams``, every second,
+    third … is used. Readings of ``range_max`` metres or more are ignored. ``sensors`` are the sensor numbers of the
+    logs, None: :func:`sensor_numbers`. Raises :class:`ConfigError` for sonars and for a sensor of fewer than three
+    beams.
     """
 
     def __init__(
@@ -37,11 +37,11 @@ class ScanStore:
                 raise ConfigError("slam.sonar", "SLAM needs a lidar: a sonar’s readings are too wide to be matched.")
         below = float(np.nextafter(range_max, 0.0))
         numbers = sensor_numbers(logs) if sensors is None else sensors
-        self.sensor_numbers = [int(number) for number in numbers]  #: of the sensor that each log is of
+        self.sensor_numbers = [int(number) for number in numbers]  #: sensor of each log
         self._beams = [Beams.of(log, range_max=below, most=max_beams) for log in logs]
         self.can_deskew = any(beam.times.any() for beam in self._beams)  #: whether the times of beams are known
         self._n = 0
-        self.n_beams = max(len(beam) for beam in self._beams)  #: of the sensor with most
+        self.n_beams = max(len(beam) for beam in self._beams)  #: maximum over the sensors
         self._rows = ScanArrays(
             np.empty((FIRST_ROWS, self.n_beams, 2), dtype=np.float32),
             np.empty((FIRST_ROWS, self.n_beams, 2), dtype=np.float32),
@@ -54,7 +54,7 @@ class ScanStore:
         )
         self._sensor = np.zeros(FIRST_ROWS, dtype=np.int64)
         self._mounts = np.zeros((FIRST_ROWS, 3))
-        # Ranges are kept where points are to be moved later.
+        # Ranges are kept if points are to be deskewed later.
         self._ranges = np.empty((FIRST_ROWS if self.can_deskew else 0, self.n_beams), dtype=np.float32)
 
     def __len__(self) -> int:
@@ -67,12 +67,12 @@ class ScanStore:
 
     @property
     def arrays(self) -> ScanArrays:
-        """Return all scans; valid until the next :meth:`append`. Rows from the number of scans on are not used."""
+        """Return all scans; valid until the next :meth:`append`. Rows beyond the number of scans are unused."""
         return self._rows
 
     @property
     def least_step(self) -> float:
-        """The least angle between the beams of a sensor, radians."""
+        """The smallest angle between beams of a sensor, radians."""
         return min(beam.step for beam in self._beams)
 
     def append(
@@ -82,10 +82,10 @@ class ScanStore:
         velocity: Float64Array | None = None,
         mount: Float64Array | None = None,
     ) -> int:
-        """Add a scan of the ranges (n_beams,) of a log, whose number is ``sensor``; return the scan's number here.
+        """Add a scan of the ranges (n_beams,) of the log with index ``sensor``; return the scan's index here.
 
-        ``velocity`` (3,) is the base's, in its own frame, during the scan, metres and radians a second. ``mount`` (3,),
-        ``T_base_laser``, is where a sensor that moves on the robot was; None: as in its log.
+        ``velocity`` (3,) is the base's during the scan, in its own frame, metres and radians per second. ``mount``
+        (3,), ``T_base_laser``, is the mount of a sensor that moves on the robot; None: as in its log.
         """
         if self._n == len(self._sensor):
             self._grow()
@@ -103,13 +103,13 @@ class ScanStore:
         return n
 
     def drop_last(self) -> None:
-        """Remove the scan that was appended last."""
+        """Remove the last appended scan."""
         self._n -= 1
 
     def deskew(self, velocities: Float64Array) -> None:
-        """Write the points and normals of all scans again for these velocities (n, 3) of the base, see :meth:`append`.
+        """Rewrite the points and normals of all scans for these velocities (n, 3) of the base, see :meth:`append`.
 
-        Nothing is done where no sensor states the times of its beams.
+        Has no effect if no sensor states the times of its beams.
         """
         if self.can_deskew:
             for n in range(self._n):
@@ -146,9 +146,9 @@ class ScanStore:
 
 
 def scans_of(log: ScanLog, scans: Sequence[int]) -> ScanArrays:
-    """Return the points and normals of some scans of a log, of whichever of its sensors, in the order of ``scans``.
+    """Return the points and normals of some scans of a log, of any of its sensors, in the order of ``scans``.
 
-    Raises as :class:`ScanStore`.
+    Raises the errors of :class:`ScanStore`.
     """
     store = ScanStore(sensors_of(log), np.inf, log.n_beams)
     sensor = part_of_scan(log)
@@ -158,5 +158,5 @@ def scans_of(log: ScanLog, scans: Sequence[int]) -> ScanArrays:
 
 
 def _doubled(old: NDArray[Kind]) -> NDArray[Kind]:
-    """Return an array with as many more rows of zeros."""
+    """Return the array with as many rows of zeros appended."""
     return np.concatenate([old, np.zeros_like(old)])

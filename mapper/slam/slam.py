@@ -1,4 +1,4 @@
-"""Simultaneous localization and mapping of one scan at a time: the front end, loops and the graph."""
+"""Incremental simultaneous localization and mapping: front end, loops and graph."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from mapper.slam.optimise import MAX_ITERATIONS, optimise, optimise_newest
 from mapper.slam.place_recognition import PlaceRecognizer, reason_against_group
 from mapper.slam.scan_store import ScanStore
 
-MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this makes the graph be optimised at once
-MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
-LARGE = 4_000  #: nodes: a graph with more of them is optimised more rarely, so that the time for it grows with n log n:
-RARELY = 50  #: after each 1 / RARELY of those above
-FAR_OFF, FAR_TURNED = 0.5, 0.1  #: metres, radians: a loop off by more has at once the newest poses optimised
-NEWEST = 500  #: nodes before the last time that move then: the loop's error is distributed over them and those since
+MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop with a larger error triggers immediate optimisation
+MOST_WAITING = 20  #: consistent loops after which the graph is optimised anyway
+LARGE = 4_000  #: nodes: larger graphs are optimised less often, so that the total time grows with n log n:
+RARELY = 50  #: after each 1 / RARELY of the nodes
+FAR_OFF, FAR_TURNED = 0.5, 0.1  #: metres, radians: for a loop with a larger error the newest poses are optimised
+NEWEST = 500  #: nodes before the last optimisation that then also move, so that the error is spread over them
 SETTLING = 6  #: iterations after a loop
 
 
 class Slam:
-    """SLAM of scans that come one after another.
+    """Incremental SLAM.
 
-    ``log`` states the sensors: their beams, ranges and mounts; its scans are not used. ``add_scan`` takes a scan,
-    ``poses`` are all so far, corrected. ``check`` is called while the graph is optimised; what it raises ends the work.
-    Not for use from two threads at once.
+    ``log`` defines the sensors: beams, ranges and mounts; its scans are not used. ``add_scan`` adds a scan, and
+    ``poses`` are all corrected poses so far. ``check`` is called while the graph is optimised and may raise to cancel
+    the work. Not thread-safe.
     """
 
     def __init__(self, log: ScanLog, config: SlamConfig | None = None, check: Callable[[], None] | None = None) -> None:
@@ -44,7 +44,7 @@ class Slam:
         self.store = ScanStore(sensors_of(log), self.config.range_max, int(self.config.n_beams))
         self.front_end = FrontEnd(self.store, self.config)
         self.tried: list[Loop] = []
-        self.recognized: list[Loop] = []  #: loops at recognized places, which are among the accepted ones
+        self.recognized: list[Loop] = []  #: loops at recognised places, a subset of the accepted ones
         self._closer = LoopCloser(self.store, self.front_end, self.config)
         self._recognizer = PlaceRecognizer(self.store, self.front_end, self.config)
         self._loops: list[Loop] = []
@@ -54,15 +54,15 @@ class Slam:
         self._information = np.zeros((512, 3, 3))
         self._waiting = 0
         self._check = check
-        self._settled = 0  # nodes, when the graph was last optimised
-        self.n_unaligned = 0  #: scans that could not be aligned with those before them
+        self._settled = 0  # number of nodes when the graph was last optimised
+        self.n_unaligned = 0  #: number of scans that could not be aligned with those before them
 
     def __len__(self) -> int:
         return len(self.front_end)
 
     @property
     def poses(self) -> Float64Array:
-        """Return the poses so far (n, 3), ``T_map_base``; the first scan's is the start's."""
+        """The poses so far (n, 3), ``T_map_base``, starting at the first scan's start pose."""
         return self._poses[: len(self)]
 
     @property
@@ -84,12 +84,11 @@ class Slam:
     ) -> bool:
         """Add a scan (n_beams,) of a sensor of the log; return whether a loop closed and moved earlier poses.
 
-        ``motion`` (3,) is the odometry's since the scan before, None without odometry, and ``seconds`` the time since
-        then, None where it is not known; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's
-        while the scan is taken, in its own frame, metres and radians a second; None: as before. It matters where the
-        log states the time between beams. With ``may_drop`` a scan from almost where the one before of its sensor was
-        taken gets no node; ``front_end.last`` is its pose all the same. ``mount`` (3,) is ``T_base_laser`` of a sensor
-        that moves on it.
+        ``motion`` (3,) is the odometry's since the previous scan, None without odometry, and ``seconds`` the time since
+        then, None if unknown; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's during the
+        scan, in its own frame, metres and radians per second; None: as before. It is used if the log states the time
+        between beams. With ``may_drop``, a scan taken close to its sensor's previous one gets no node, but
+        ``front_end.last`` is still its pose. ``mount`` (3,) is ``T_base_laser`` of a sensor that moves on the robot.
         """
         n = len(self)
         if n == len(self._poses):
@@ -119,12 +118,12 @@ class Slam:
         return self._recognize(n) or moved
 
     def following(self, k: int, times: Float64Array) -> int:
-        """Return which of the scans at ``times`` (n,), seconds, to add after scan k, the last one, without odometry."""
+        """Return which of the scans at ``times`` (n,), seconds, to add after the last scan k, without odometry."""
         velocity = self.front_end.velocity
         return k + 1 if velocity is None else next_scan(k, times, velocity)
 
     def _settle(self, loop: Loop) -> bool:
-        """Optimise the graph if the new loop does not fit it, or if many that fit wait."""
+        """Optimise the graph if the new loop does not fit it, or if many fitting loops are pending."""
         off = compose(inverse(loop.relative), compose(inverse(self._poses[loop.i]), self._poses[loop.j]))
         self._waiting += 1
         length, turn = float(np.hypot(off[0], off[1])), abs(float(off[2]))
@@ -143,13 +142,15 @@ class Slam:
         return True
 
     def _recognize(self, n: int) -> bool:
-        """Accept a group of loops at recognized places if the graph is consistent with it; return whether one was."""
+        """Accept a group of loops at recognised places if the graph is consistent with it; return whether it was
+        accepted.
+        """
         if not self.config.place_recognition:
             return False
         group = self._recognizer.try_at(n, self._poses[: n + 1], self._way[: n + 1], self._loops, self.tried)
         if not group:
             return False
-        # The weights of the loops at the poses so far: optimising a large graph takes seconds.
+        # The weights of the loops at the current poses, because optimising a large graph takes seconds.
         before, n_before = self.optimised(0), len(self._loops)
         loops = self._recognizer.candidates(group)
         self._loops += loops
@@ -165,7 +166,7 @@ class Slam:
         return True
 
     def graph(self) -> PoseGraph:
-        """Return the graph so far; its nodes are numbered as they were added."""
+        """Return the graph so far, with nodes in insertion order."""
         n, loops = len(self), self._loops
         every = np.arange(n)
         e = max(n - 1, 0) + len(loops)

@@ -1,4 +1,4 @@
-"""A symmetric positive definite system over poses, whose blocks come from pairs of poses."""
+"""Symmetric positive definite system over poses, with blocks from pairs of poses."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from mapper.core.errors import ConfigError
 from mapper.slam.kernels.block_cholesky import count_factor, factorise, solve_factorised
 from mapper.slam.kernels.edges import add_pairs
 
-MOST_MULTIPLIED = 10_000_000  #: blocks, until it is asked whether the work is cancelled: 0.2 s
+MOST_MULTIPLIED = 10_000_000  #: block products between two checks for cancellation: 0.2 s
 
 
 class SparseSystem:
-    """The system H Δ = b of ``n`` poses that ``pairs`` (p, 2) of poses contribute to; its pattern is analysed once.
+    """The system H Δ = b over ``n`` poses with contributions of ``pairs`` (p, 2); its pattern is analysed once.
 
-    ``fixed`` are poses that do not move (their Δ is 0). The order of elimination is SuperLU's minimum degree of the
-    pattern AᵀA + A, taken once from SciPy; the factorisation is :mod:`mapper.slam.kernels.block_cholesky`.
+    ``fixed`` are poses that do not move (their Δ is 0). The elimination order is SuperLU's minimum degree of the
+    pattern AᵀA + A, obtained from SciPy; the factorisation is :mod:`mapper.slam.kernels.block_cholesky`.
     """
 
     def __init__(self, n: int, pairs: Int64Array, fixed: Int64Array) -> None:
@@ -54,7 +54,7 @@ class SparseSystem:
 
     @property
     def filled(self) -> int:
-        """Blocks of the factor."""
+        """Number of blocks of the factor."""
         return len(self._factor_rows)
 
     def solve(
@@ -66,8 +66,8 @@ class SparseSystem:
     ) -> Float64Array:
         """Return Δ (n, 3) for the blocks (p, 6, 6) and (p, 6) of the pairs, in their order.
 
-        ``damping`` ≥ 0 is added to the diagonal, times itself plus 1 (Levenberg, Marquardt). ``check``
-        is called from time to time; what it raises ends the work. Raises :class:`ConfigError` where the system is
+        The diagonal is multiplied by 1 + ``damping`` and increased by ``damping`` ≥ 0 (Levenberg–Marquardt). ``check``
+        is called from time to time and may raise to cancel the work. Raises :class:`ConfigError` if the system is
         singular.
         """
         for part in (self._diagonal, self._upper, self._right):
@@ -105,9 +105,9 @@ class SparseSystem:
 
 
 def elimination_order(n: int, pairs: Int64Array) -> Int64Array:
-    """Return the position (n,) of each of n unknowns in an order of elimination that keeps the factor sparse.
+    """Return the position (n,) of each of n unknowns in an elimination order that keeps the factor sparse.
 
-    ``pairs`` (p, 2) are the unknowns that a block connects.
+    ``pairs`` (p, 2) are the unknowns that share a block.
     """
     if n == 0 or not len(pairs):
         return np.arange(n, dtype=np.int64)

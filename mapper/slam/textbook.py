@@ -1,4 +1,4 @@
-"""Graph optimisation as the tutorial prints it, dense matrices, one edge at a time; and what is counted of scans.
+"""Graph optimisation as in the tutorial, with dense matrices and one edge at a time, and counts of scan agreement.
 
 Source: Grisetti et al. 2010, A tutorial on graph-based SLAM, algorithm 1 and its equations for SE(2).
 """
@@ -40,7 +40,7 @@ def edge_jacobians(
 
 
 def optimise_dense(graph: PoseGraph) -> Float64Array:
-    """Return the poses (m, 3) that minimise Σ eᵀ Ω e, by Gauss and Newton's method, with the first pose held."""
+    """Return the poses (m, 3) that minimise Σ eᵀ Ω e, by the Gauss–Newton method, with the first pose fixed."""
     poses = graph.poses.copy()
     m = len(poses)
     for _ in range(30):
@@ -62,9 +62,9 @@ def optimise_dense(graph: PoseGraph) -> Float64Array:
 
 
 def ways(start: int, driven: Float64Array, loops: NDArray[np.int64]) -> Float64Array:
-    """Return the length (n,) of the shortest way from node ``start`` to each of a chain's nodes, by Floyd's algorithm.
+    """Return the length (n,) of the shortest path from node ``start`` to each node of a chain, by Floyd's algorithm.
 
-    ``driven`` (n,) is the distance driven until each node, ``loops`` (l, 2) join nodes without a length.
+    ``driven`` (n,) is the distance driven up to each node; ``loops`` (l, 2) connect nodes with length 0.
     """
     n = len(driven)
     length = np.full((n, n), np.inf)
@@ -82,7 +82,7 @@ def ways(start: int, driven: Float64Array, loops: NDArray[np.int64]) -> Float64A
 def information(
     hessian: Float64Array, prior: Float64Array, heading: float, false_share: float, scale: float, floor: Float64Array
 ) -> Float64Array:
-    """Return what :func:`mapper.slam.kernels.information.write_information` writes, with NumPy's linear algebra."""
+    """Return the result of :func:`mapper.slam.kernels.information.write_information`, with NumPy's linear algebra."""
     pairs = hessian - np.diag(prior)
     values, vectors = np.linalg.eigh(pairs[:2, :2])
     shares = np.sqrt(np.maximum(values - false_share * values[1], 1e-9) / np.maximum(values, 1e-9))
@@ -97,11 +97,11 @@ def information(
 def agreement(
     moving: PointScan, pose: Float64Array, others: Sequence[PointScan], poses: Float64Array, gate: float
 ) -> tuple[int, int, int]:
-    """Return how many points a scan has, and how many of them agree with and contradict others at ``poses`` (k, 3).
+    """Return the number of a scan's points, and how many agree with and contradict others at ``poses`` (k, 3).
 
-    A point agrees with the others where it is nearer than ``gate`` to a point of one of them, of the beams that pass
-    within a gate of it. It contradicts them where it does not, and one of them saw through it: the beam that points
-    there and its two neighbours all end two gates or more behind it.
+    A point agrees if it is nearer than ``gate`` to a point of one of the others, among the beams that pass within a
+    gate of it. It contradicts them if it does not agree and one of them saw through it: the beam that points there and
+    its two neighbours all end two gates or more behind it.
     """
     agreeing = contradicting = 0
     placed = transform_points(pose, moving.points)[moving.is_point]

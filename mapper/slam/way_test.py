@@ -1,4 +1,4 @@
-"""The way to a loop: whether what was seen there contradicts the scans among which the loop puts it."""
+"""Path test of a loop: whether the scans on the path to it contradict the scans among which the loop places them."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from mapper.slam.kernels.graph_distance import ways_from
 from mapper.slam.loop_test import GATE, Loop
 from mapper.slam.scan_store import ScanStore
 
-BEFORE, EVERY = 10.0, 1.0  #: metres of the way before the loops, and between two scans, that are looked at
-AROUND, OTHERS = 4.0, 8  #: metres, and scans near where the loops put a scan that it is compared with
-BACK = 2  #: of these, that are compared with the scans on the way
+BEFORE, EVERY = 10.0, 1.0  #: metres of path before the loops, and between two scans, that are examined
+AROUND, OTHERS = 4.0, 8  #: metres, and number of scans near a placed scan with which it is compared
+BACK = 2  #: number of these that are compared back with the scans on the path
 
 
 def graph_ways(node: int, driven: Float64Array, loops: Sequence[Loop]) -> Float64Array:
-    """Return the way (n,) in the graph from a node to each, metres; ``driven`` (n,) is the metres driven."""
+    """Return the path length (n,) in the graph from a node to each node, metres; ``driven`` (n,) is the metres
+    driven.
+    """
     ends = np.array([(loop.i, loop.j) for loop in loops], dtype=np.int64).reshape(-1, 2)
     out = np.empty(len(driven))
     ways_from(node, driven, np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]), out)
@@ -29,11 +31,11 @@ def graph_ways(node: int, driven: Float64Array, loops: Sequence[Loop]) -> Float6
 def share_contradicted(
     store: ScanStore, loops: Sequence[Loop], poses: Float64Array, driven: Float64Array, is_earlier: BoolArray
 ) -> float:
-    """Return the share of points, where loops put the way to them, that lie in free space of the other scans.
+    """Return the fraction of points on the path to the loops that lie in free space of other scans, and vice versa.
 
-    ``poses`` (n, 3) and ``driven`` (n,), metres driven, are those of all scans. Each scan from :data:`BEFORE` before
-    the first loop on is put where the loop nearest to it in the chain puts it. Scans of that way are compared with
-    those nearby that are ``is_earlier`` (n,), and those with them; 0 where there are none.
+    ``poses`` (n, 3) and ``driven`` (n,), metres driven, are those of all scans. Each scan from :data:`BEFORE` metres
+    before the first loop on is placed by the nearest loop in the chain. These scans are compared with nearby scans that
+    are ``is_earlier`` (n,), and the latter with them; 0 if there are none.
     """
     ends = np.array([loop.j for loop in loops])
     later = np.flatnonzero(driven >= max(float(driven[ends].min()) - BEFORE, 0.0))
@@ -59,7 +61,7 @@ def share_contradicted(
 
 
 def spread(values: Int64Array, most: int) -> Int64Array:
-    """Return at most ``most`` of some values, evenly spread, the first and the last among them."""
+    """Return at most ``most`` evenly spaced values, including the first and the last."""
     if len(values) <= most:
         return values
     return values[np.linspace(0, len(values) - 1, most).round().astype(np.int64)]

@@ -1,4 +1,4 @@
-"""SLAM of a log as a whole: its scans in turn, again with other rules where the map contradicts itself, refinement."""
+"""SLAM of a whole log: all scans in order, repeated with other rules if the map contradicts itself, then refinement."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, Slam
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.slam import Slam
 
-UNSEEN = 0.03  #: of the information of a step's position
-LEAST_UNSEEN = 5.0  #: m of the way; shorter ones are not reported
+UNSEEN = 0.03  #: fraction of a step's position information, below which it counts as unobserved
+LEAST_UNSEEN = 5.0  #: m of path; shorter ones are not reported
 EVERY = 25  #: scans between two reports
-BEFORE_REFINEMENT, COMPARISON = 0.8, 0.1  #: of the work, and of that the share of passes with other rules
-#: parameters with which the map of a log agreed best in turn, where wrong loops had been accepted
+BEFORE_REFINEMENT, COMPARISON = 0.8, 0.1  #: fractions: work before refinement, and passes with other rules therein
+#: parameters, tried in order, that gave the best maps of logs for which wrong loops had been accepted
 STRICTER: Mapping[str, float] = MappingProxyType(
     {"loop_window": 2.0, "loop_inliers": 0.75, "loop_score": 0.7, "loop_contradicted": 0.05}
 )
 SMALLER_IS_STRICTER = ("loop_window", "loop_contradicted")
-LARGE = 10_000  #: nodes, from which on stricter rules are not tried: each pass takes minutes
+LARGE = 10_000  #: nodes, above which stricter rules are not tried because each pass takes minutes
 WORSE = "the map agrees better with itself without the loops at recognized places"
 
 Report = Callable[[float, str, int, Callable[[], Float64Array]], None]
@@ -45,14 +45,14 @@ Report = Callable[[float, str, int, Callable[[], Float64Array]], None]
 class _Pass:
     """The matched scans of a log, added one after another to :class:`Slam`.
 
-    ``odometry`` names the trajectory from which the motions between scans are taken, None for none.
+    ``odometry`` is the trajectory that provides the motions between scans, None for none.
     """
 
     def __init__(self, log: ScanLog, odometry: str | None, config: SlamConfig, check: Callable[[], None]) -> None:
         self.slam = Slam(log, config, check)
-        self.matched: list[int] = []  # scans of the log
-        self.nodes: list[int] = []  # which of those each node is
-        self._track: list[Float64Array] = []  # poses of the matched scans by the front end
+        self.matched: list[int] = []  # indices in the log
+        self.nodes: list[int] = []  # index in ``matched`` of each node
+        self._track: list[Float64Array] = []  # front end poses of the matched scans
         self._log, self._times = log, seconds(log)
         self._odometry = None if odometry is None else log.trajectory(odometry).poses
         self._part, self._sensor = part_of_scan(log), sensor_of_scan(log)
@@ -66,14 +66,14 @@ class _Pass:
         return len(self._wanted)
 
     def add_all(self, report: Report | None) -> None:
-        """Add all scans; ``report`` gets the share of them that is done, the stage, and the poses so far."""
+        """Add all scans; ``report`` receives the fraction done, the stage, and the poses so far."""
         log, times, wanted, slam = self._log, self._times, self._wanted, self.slam
         moved = None if self._odometry is None else motions(self._odometry[wanted])
         k = 0
         while k < len(wanted):
             scan = int(wanted[k])
             passed = float(times[scan] - times[self.matched[-1]]) if self.matched else 0.0
-            # Scans of two sensors may be taken at once; of one sensor equal times say nothing.
+            # Scans of two sensors may be simultaneous; equal times of one sensor are not usable.
             is_other = bool(self.matched) and self._sensor[scan] != self._sensor[self.matched[-1]]
             is_known = passed > 0.0 or (passed == 0.0 and is_other)
             self.matched.append(scan)
@@ -96,11 +96,11 @@ class _Pass:
             slam.store.deskew(velocities[self.nodes])
 
     def scans_with_poses(self, n_nodes: int) -> int:
-        """Return how many scans of the log have poses by the first nodes."""
+        """Return the number of scans of the log that have poses from the first nodes."""
         return self.matched[self.nodes[n_nodes - 1]] + 1
 
     def poses(self, node_poses: Float64Array) -> Float64Array:
-        """Return the poses of the log's scans, up to the last node's, from those of the first nodes (n, 3)."""
+        """Return the poses of the log's scans up to the last node, from those of the first nodes (n, 3)."""
         poses = self._poses_of_matched(node_poses)
         known = np.array(self.matched[: len(poses)])
         return poses if len(known) == known[-1] + 1 else carry(known, poses, self._odometry, self._times)
@@ -118,7 +118,7 @@ class _Pass:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
-    """A pass, its graph, optimised, the agreement of its map, and the parameters that were changed for it."""
+    """A pass with its optimised graph, the agreement of its map, and the parameters changed for it."""
 
     run: _Pass
     graph: PoseGraph
@@ -126,12 +126,12 @@ class _Outcome:
     changed: Mapping[str, Any]
 
     def poses(self) -> Float64Array:
-        """Return the poses of the log's scans by the graph."""
+        """Return the poses of the log's scans from the graph."""
         return self.run.poses(self.graph.poses)
 
 
 class _Work:
-    """Passes over one log, and the progress of them all."""
+    """Passes over one log, and their joint progress."""
 
     def __init__(
         self,
@@ -144,26 +144,26 @@ class _Work:
         self._reported: list[SlamProgress] = []  # the last one
 
     def check(self) -> None:
-        """Ask whether SLAM is cancelled. Raises :class:`SlamCancelled`."""
+        """Check for cancellation. Raises :class:`SlamCancelled`."""
         if self._progress is not None and self._reported and self._progress(self._reported[0]) is False:
             raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
 
     def report(
         self, fraction: float, stage: str, done: int, n_loops: int, find_poses: Callable[[], Float64Array]
     ) -> None:
-        """Report progress to who asked for it. Raises :class:`SlamCancelled`."""
+        """Report progress to the caller. Raises :class:`SlamCancelled`."""
         self._reported[:] = [SlamProgress(fraction, stage, done, n_loops, find_poses)]
         self.check()
 
     def run(
         self, begin: float, end: float, changed: Mapping[str, Any] | None = None, shown: _Outcome | None = None
     ) -> _Outcome:
-        """Add all scans with some parameters changed; the fraction goes from ``begin`` to ``end`` meanwhile.
+        """Add all scans with some parameters changed, while the fraction goes from ``begin`` to ``end``.
 
-        The poses that are reported are those of ``shown``, if it is given.
+        The reported poses are those of ``shown``, if passed.
         """
         changed = changed or {}
-        self._reported.clear()  # it holds the pass that it was of
+        self._reported.clear()  # releases the pass that the last report refers to
         run = _Pass(self._log, self._odometry, replace(self._config, **changed), self.check)
 
         def report(share: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
@@ -180,15 +180,15 @@ class _Work:
         return _Outcome(run, graph, map_agreement(run.slam.store, graph.poses), changed)
 
     def best(self, end: float) -> tuple[_Outcome, list[str]]:
-        """Return the outcome whose map agrees best, of a first pass and those with other rules, and notes on it.
+        """Return the outcome with the best agreement, of a first pass and those with other rules, and notes on it.
 
-        Others are tried without place recognition where it closed loops, and with stricter rules as long as the map is
-        not consistent. Two passes are in memory at once: the best so far and the present one. The fraction ends with
+        Another pass without place recognition is made if it closed loops, and passes with stricter rules while the map
+        is not consistent. Two passes are in memory at once: the best so far and the current one. The fraction ends at
         ``end``.
         """
         begin = end - COMPARISON
         best, notes = self.run(0.0, begin), list[str]()
-        stricter = STRICTER if best.run.slam.n_loops else {}  # without loops no rule for them changes anything
+        stricter = STRICTER if best.run.slam.n_loops else {}  # without loops their rules have no effect
         part = (end - begin) / (1 + len(STRICTER))
         recognized = best.run.slam.recognized
         if recognized:
@@ -209,7 +209,7 @@ class _Work:
             if now < value if name in SMALLER_IS_STRICTER else now > value:
                 continue
             at = begin + part * number
-            other = best  # which ends the pass before
+            other = best  # releases the previous pass
             other = self.run(at, at + part, {**changed, name: value}, best)
             if self._score(other) > self._score(best):
                 best = other
@@ -234,13 +234,12 @@ def slam_log(
 ) -> SlamResult:
     """Return corrected poses of a log's scans.
 
-    ``trajectory`` names the odometry to begin with; without it, it is the first trajectory in a frame ``odom``, else
-    the log's first; a log without poses is matched by its scans alone. Where loops were accepted at recognized places,
-    all scans are added again without place recognition; where the map is not consistent
-    (:class:`mapper.slam.map_agreement.MapAgreement`), with stricter rules for loops. The graph whose map has the
-    greatest score is kept. ``progress`` is called as the work goes on; if it returns False, :class:`SlamCancelled` is
-    raised. Raises :class:`ConfigError` for a log of sonars, without scans or without returns, and for a trajectory that
-    the log lacks.
+    ``trajectory`` is the initial odometry; by default the first trajectory in a frame ``odom``, else the log's first. A
+    log without poses is matched by its scans alone. If loops were accepted at recognised places, all scans are added
+    again without place recognition; if the map is not consistent (:class:`mapper.slam.map_agreement.MapAgreement`),
+    with stricter rules for loops. The graph whose map has the highest score is kept. ``progress`` is called during the
+    work; if it returns False, :class:`SlamCancelled` is raised. Raises :class:`ConfigError` for a log of sonars,
+    without scans or without returns, and for a trajectory that the log lacks.
     """
     config = config or SlamConfig()
     began = time.process_time()
@@ -267,7 +266,7 @@ def slam_log(
 
     poses = refine(chosen.graph, run.slam.store, config, refined, work.check)
     poses[:, 2] = wrap_angle(poses[:, 2])
-    if not chosen.agreement.is_consistent:  # the refinement may have made it so
+    if not chosen.agreement.is_consistent:  # the refinement may have made it consistent
         notes += _contradiction(map_agreement(run.slam.store, poses), n_loops)
     graph = replace(chosen.graph, nodes=np.array(run.matched)[run.nodes], poses=poses)
     return SlamResult(
@@ -283,7 +282,7 @@ def slam_log(
 def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_sensor: int = 0) -> None:
     """Append the matched scans of a log to a store, deskewed along the result's poses.
 
-    ``first_sensor`` is the number of the log's first sensor in the store.
+    ``first_sensor`` is the index of the log's first sensor in the store.
     """
     nodes, sensor = result.graph.nodes, part_of_scan(log)
     velocities = velocities_along(seconds(log)[nodes], result.graph.poses)
@@ -294,7 +293,7 @@ def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_senso
 
 
 def _contradiction(agreement: MapAgreement, n_loops: int) -> list[str]:
-    """Return a sentence on a map that contradicts itself, none where it is consistent."""
+    """Return a sentence on a map that contradicts itself, none if it is consistent."""
     if agreement.is_consistent:
         return []
     far, near = 100.0 * agreement.contradicted, 100.0 * agreement.contradicted_near
@@ -325,7 +324,7 @@ def _notes(log: ScanLog, odometry: str | None, run: _Pass, graph: PoseGraph) -> 
 
 
 def _unseen_way(graph: PoseGraph) -> float:
-    """Return the length, metres, of the steps along which the scans say least: all but nothing, beside across."""
+    """Return the length, metres, of the steps along which the scans have almost no information compared with across."""
     steps = graph.kind == ODOMETRY
     if not steps.any():
         return 0.0

@@ -1,4 +1,4 @@
-"""Terrain from points: which of them are ground, planes of patches, and where it is safe to drive."""
+"""Terrain from points: ground points, planes of patches, and traversability."""
 
 from mapper.terrain.ground import Ground, agreement, find_ground
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig

@@ -1,10 +1,10 @@
-"""Ground points of a cloud by SMRF, the simple morphological filter, and steps that check what it cuts off.
+"""Ground points of a cloud by SMRF, the simple morphological filter, with steps that check the removed cells.
 
 Sources: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
-LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013. Segments that are judged by their sides:
-Sithole & Vosselman, Filtering of airborne laser scanner data based on segmented point clouds, 2005. Points that
-continue the ground: Axelsson, DEM generation from laser scanner data using adaptive TIN models, 2000, here by planes in
-place of triangles.
+LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013. Segments classified by their sides: Sithole &
+Vosselman, Filtering of airborne laser scanner data based on segmented point clouds, 2005. Points that continue the
+ground: Axelsson, DEM generation from laser scanner data using adaptive TIN models, 2000, here with planes in place of
+triangles.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ from mapper.terrain.parameters import (
 )
 
 MAX_CELLS = 1 << 22  #: of the filter's grid: 16 MB for each of its float32 arrays
-MAX_WORK = 1 << 34  #: cells of the grid times rows of all discs, which the time grows with
+MAX_WORK = 1 << 34  #: cells of the grid times rows of all discs, to which the time is proportional
 
 
 @dataclass(frozen=True, slots=True)
 class Ground:
     """``is_ground`` (n,) for each point in the cloud's order, False for points that are not finite.
 
-    ``is_unsure`` (n,) says where it may well be otherwise: the steps of the filter disagree, or a point is about as far
-    from the surface as ground may be. ``surface`` (rows, cols) float32 are the heights of the ground at the centres of
+    ``is_unsure`` (n,) marks points that may be misclassified: the steps of the filter disagree, or the distance from
+    the surface is near the limit. ``surface`` (rows, cols) float32 are the heights of the ground at the centres of
     cells of ``cell`` metres, above ``corner`` (3,), the lowest corner of the cloud and the corner of cell (0, 0).
     ``left_out`` counts points that are not finite.
     """
@@ -61,11 +61,11 @@ def find_ground(
     *,
     progress: Callable[[float], None] | None = None,
 ) -> Ground:
-    """Return which of the ``points`` (n, 3), metres with z up, are ground.
+    """Classify which of the ``points`` (n, 3), metres with z up, are ground.
 
-    ``progress`` is called with the share of the work that is done, 0 … 1, after each disc; what it raises ends it.
-    Raises :class:`ConfigError` for another shape and for a cloud without finite points, :class:`LimitError` for one
-    that is too wide for the cells.
+    ``progress`` is called with the fraction of the work done, 0 to 1, after each disc, and may raise to cancel the
+    work. Raises :class:`ConfigError` for another shape and for a cloud without finite points, :class:`LimitError` for
+    one that is too wide for the cells.
     """
     config = config or GroundConfig()
     finite, used = finite_points(points)
@@ -95,7 +95,7 @@ def find_ground(
 def finite_points(points: NDArray[np.floating[Any]]) -> tuple[BoolArray, Float64Array]:
     """Return which points (n,) are finite, and these as (m, 3) float64.
 
-    Raises :class:`ConfigError` for another shape than (n, 3) and where none is finite.
+    Raises :class:`ConfigError` for another shape than (n, 3) and if none is finite.
     """
     if points.ndim != 2 or points.shape[1] != 3:
         raise ConfigError("terrain.shape", f"Points must have shape (n, 3), not {points.shape}.")
@@ -107,10 +107,12 @@ def finite_points(points: NDArray[np.floating[Any]]) -> tuple[BoolArray, Float64
 
 
 def agreement(is_ground: BoolArray, truth: BoolArray) -> dict[str, float]:
-    """Return how two classifications (n,) agree, in percent: Cohen's kappa, total error, type I and type II errors.
+    """Return the agreement of two classifications (n,), in percent: Cohen's kappa, total error, type I and type II
+    errors.
 
-    Type I is ground that was taken for an object, of all ground; type II an object taken for ground, of all objects.
-    Source: Sithole & Vosselman, Experimental comparison of filter algorithms for bare-Earth extraction, 2004.
+    Type I is ground classified as object, relative to all ground; type II is object classified as ground, relative to
+    all objects. Source: Sithole & Vosselman, Experimental comparison of filter algorithms for bare-Earth extraction,
+    2004.
     """
     n = len(truth)
     both, neither = int((is_ground & truth).sum()), int((~is_ground & ~truth).sum())
@@ -126,7 +128,7 @@ def agreement(is_ground: BoolArray, truth: BoolArray) -> dict[str, float]:
 
 
 def filled(heights: Float32Array) -> Float32Array:
-    """Return ``heights`` (rows, cols), of which one at least is known, with each NaN filled by Laplace's equation."""
+    """Return ``heights`` (rows, cols), at least one of which is known, with NaN filled by Laplace's equation."""
     if not np.isnan(heights).any():
         return heights.copy()
     rows, cols = heights.shape
@@ -151,10 +153,10 @@ def objects(
     margin: int = 0,
     progress: Callable[[float], None] = _no_progress,
 ) -> BoolArray:
-    """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope.
+    """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope allows.
 
     The threshold of each disc is ``share`` · ``cell`` higher where the slope ``around`` is 1. ``heights`` and
-    ``around`` have ``margin`` more cells at each border, into which discs reach.
+    ``around`` are padded by ``margin`` cells at each border, into which discs extend.
     """
     is_object: BoolArray = np.zeros(heights.shape, dtype=np.bool_)
     more = np.zeros_like(heights) if around is None else around
@@ -170,7 +172,7 @@ def objects(
 
 
 def lowest_of_blocks(heights: Float32Array, left_out: BoolArray) -> Float32Array:
-    """Return the least height of each block, without cells ``left_out`` (rows, cols); blocks of none are filled."""
+    """Return the minimum height of each block, ignoring ``left_out`` (rows, cols) cells; empty blocks are filled."""
     rows, cols = heights.shape
     lowest = np.empty((-(-rows // BLOCK), -(-cols // BLOCK)), dtype=np.float32)
     kernels.lowest_of_blocks(heights, left_out, BLOCK, lowest)
@@ -178,12 +180,13 @@ def lowest_of_blocks(heights: Float32Array, left_out: BoolArray) -> Float32Array
 
 
 def border_lines(lowest: Float32Array, reach: int, steepest: float) -> list[tuple[Float32Array, Float32Array]]:
-    """Return how the ground goes on beyond each of four borders: heights of the outermost blocks, and rises outwards.
+    """Return the continuation of the ground beyond each of four borders: heights of the outermost blocks and outward
+    rises.
 
-    The rise from block to block is the median of those between each two of the ``reach`` + 1 ``lowest`` heights from
-    the border inwards, of all within ``reach`` blocks along it (Theil 1950, Sen 1968), from 0 to ``steepest`` metres.
-    The height is that of the lowest line of this rise: buildings at the border do not go on. Border k is before row 0
-    once the grid is turned k times by :func:`numpy.rot90`.
+    The rise between blocks is the median of those between each two of the ``reach`` + 1 ``lowest`` heights from the
+    border inwards, of all within ``reach`` blocks along it (Theil 1950, Sen 1968), limited to 0 … ``steepest`` metres.
+    The height is that of the lowest line with this rise, so that buildings at the border are not continued. Border k is
+    before row 0 of the grid rotated k times by :func:`numpy.rot90`.
     """
     return [_border_line(np.rot90(lowest, turn), reach, steepest) for turn in range(4)]
 
@@ -202,9 +205,9 @@ def _border_line(lowest: Float32Array, reach: int, steepest: float) -> tuple[Flo
 def continued(
     heights: Float32Array, lines: list[tuple[Float32Array, Float32Array]], block: int, width: int
 ) -> Float32Array:
-    """Return ``heights`` (rows, cols) with ``width`` more cells at each border, over which the ground goes on.
+    """Return ``heights`` (rows, cols) padded by ``width`` cells at each border, over which the ground is continued.
 
-    Discs that must not leave the grid lower the upper border of a slope as they lower an object. ``lines`` are those of
+    Otherwise discs clipped at the border would lower the upper border of a slope like an object. ``lines`` are those of
     :func:`border_lines` for blocks of ``block`` × ``block`` cells.
     """
     rows, cols = heights.shape
@@ -215,7 +218,7 @@ def continued(
         inside = slice(width, beyond.shape[1] - width)
         places = (np.arange(beyond.shape[1] - 2 * width) + 0.5) / block - 0.5
         first, per_block = (np.interp(places, np.arange(len(base)), values) for values in (base, rise))
-        # The lowest cell of a block on a slope is that furthest from an upper border.
+        # The lowest cell of a block on a slope is the one farthest from an upper border.
         beyond[:width, inside] = first + per_block / block * (np.arange(width, 0, -1)[:, None] + (block - 1.0))
     for turn in range(4):
         corner = np.rot90(out, turn)
@@ -226,10 +229,10 @@ def continued(
 def slope_around(
     lowest: Float32Array, lines: list[tuple[Float32Array, Float32Array]], reach: int, slope: float, side: float
 ) -> Float32Array:
-    """Return how steep the ground is around each block (rows, cols): its mean slope within ``reach`` blocks.
+    """Return the mean slope of the ground within ``reach`` blocks of each block (rows, cols).
 
-    It is that of the ``lowest`` heights of blocks of ``side`` metres after discs of up to ``reach`` blocks have taken
-    out the objects. ``lines`` are how it goes on beyond the borders.
+    It is that of the ``lowest`` heights of blocks of ``side`` metres after discs of up to ``reach`` blocks have removed
+    the objects. ``lines`` are the continuation beyond the borders.
     """
     taken = objects(continued(lowest, lines, 1, reach), reach, slope, side, margin=reach)
     surface = lowest if taken.all() else filled(np.where(taken, np.float32(np.nan), lowest))
@@ -240,7 +243,7 @@ def slope_around(
 
 
 def heights_of_centres(points: Float64Array, heights: Float32Array, corner: Float64Array, cell: float) -> Float32Array:
-    """Return ``heights`` (rows, cols) of the lowest points of cells, moved along the slope to the cells' centres.
+    """Return ``heights`` (rows, cols) of the cells' lowest points, moved along the slope to the cells' centres.
 
     On a slope of 45° a point in a cell of 1 m is up to half a metre higher or lower than the centre.
     """
@@ -253,13 +256,13 @@ def heights_of_centres(points: Float64Array, heights: Float32Array, corner: Floa
 def given_back(
     heights: Float32Array, taken: BoolArray, cell: float, height: float, front: int
 ) -> tuple[BoolArray, BoolArray]:
-    """Return which of the ``taken`` cells (rows, cols) are ground after all, and which others are in doubt.
+    """Return which ``taken`` cells (rows, cols) are ground after all, and which others are in doubt.
 
-    Taken cells over which the surface goes on are one segment. It is ground if the sides that go on into the ground are
-    not few beside those that are a drop: crests and the edges of terraces, not roofs and bridges. It is also ground if
-    it goes on into the ground over a front of ``front`` cells, the length of the sum of the directions of these sides:
-    spurs with a drop on all other sides. At both ends of a bridge directions are opposite. In doubt are segments that
-    do go on into the ground somewhere.
+    Connected taken cells with a continuous surface form a segment. It is ground if the number of its sides that
+    continue into the ground is not small compared with those that are drops: crests and edges of terraces, as opposed
+    to roofs and bridges. It is also ground if it continues into the ground over a front of ``front`` cells, the length
+    of the vector sum of the directions of these sides: spurs with drops on all other sides. (At the two ends of a
+    bridge the directions are opposite.) In doubt are the other segments that continue into the ground somewhere.
     """
     parents = np.empty(heights.size, dtype=np.int32)
     sides = np.empty((heights.size, 4), dtype=np.int32)
@@ -281,10 +284,10 @@ def extended(
     share: float,
     times: int,
 ) -> BoolArray:
-    """Return which points (n,) are ground once those that lie on the plane of the ground beside them are added.
+    """Return which points (n,) are ground after adding those on the plane of the adjacent ground.
 
-    Points may lie off the plane by ``height`` + ``share`` · slope, metres, and are added ``times`` times. Cells (rows,
-    cols) of ``cell`` metres hold one point on average or more.
+    Points may be off the plane by ``height`` + ``share`` · slope, metres, and are added ``times`` times. Cells (rows,
+    cols) of ``cell`` metres contain at least one point on average.
     """
     ground, new = ground.copy(), np.empty(len(points), dtype=np.bool_)
     lowest, near = np.empty(shape, dtype=np.int32), np.ones(shape, dtype=np.bool_)

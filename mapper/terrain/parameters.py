@@ -1,4 +1,4 @@
-"""The parameters of ground filtering and of patches: one table each, which drives the command line and the checks."""
+"""Parameters of ground filtering and of patches, one table each, used by the command line and the validation."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from dataclasses import dataclass
 
 from mapper.core.parameter import check_fields, choice, number, table_of
 
-SWEEPS = 16  #: Jacobi sweeps at each level of the filling of cells without points
-BLOCK = 4  #: cells along the side of a block, whose lowest heights tell how steep it is around
-STEEPEST = 1.5  #: rise over run of ground that still goes on from cell to cell
-RISE_SHARE = 0.5  #: rises of neighbouring cells may differ by the height of the limit and this share of the rise
-LEAST_INTO = 0.35  #: of a segment's sides into the ground and of a drop, those into the ground where it is given back
-PLANE_REACH, PLANE_POINTS = 3, 5  #: cells that the plane beside a point reaches, and points that it needs
-PLANE_SHARE = 0.3  #: points may lie off that plane by the height of the limit and this share of its rise over a cell
+SWEEPS = 16  #: Jacobi sweeps at each level when cells without points are filled
+BLOCK = 4  #: cells along the side of a block, whose minimum heights determine the slope around it
+STEEPEST = 1.5  #: maximum rise over run between cells of continuous ground
+RISE_SHARE = 0.5  #: rises of neighbouring cells may differ by the height of the limit plus this fraction of the rise
+LEAST_INTO = 0.35  #: minimum fraction of sides into the ground, of those and the drops, for a segment to be restored
+PLANE_REACH, PLANE_POINTS = 3, 5  #: size in cells of the plane next to a point, and the number of points that it needs
+PLANE_SHARE = 0.3  #: points may be off that plane by the height of the limit plus this fraction of its rise over a cell
 
 
 @dataclass(frozen=True, slots=True)
 class GroundConfig:
-    """Parameters of ground filtering; a value per row of ``GROUND_PARAMETERS``.
+    """Parameters of ground filtering; one value per row of ``GROUND_PARAMETERS``.
 
-    Of the first values cell, window, scaling and low slope are those that Pingel, Clarke & McBride (2013) give for all
+    The initial values of cell, window, scaling and low slope are those of Pingel, Clarke & McBride (2013) for all
     samples. Raises :class:`mapper.core.errors.ConfigError` for an invalid value.
     """
 
@@ -70,7 +70,7 @@ class GroundConfig:
 
 @dataclass(frozen=True, slots=True)
 class PatchConfig:
-    """Patches and when they are safe; a value per row of ``PATCH_PARAMETERS``.
+    """Parameters of patches and their safety; one value per row of ``PATCH_PARAMETERS``.
 
     Raises :class:`mapper.core.errors.ConfigError` for an invalid value.
     """

@@ -1,4 +1,4 @@
-"""Patches of terrain on a grid: moments, planes, classes, their points, and the costs of them for a robot."""
+"""Patches of terrain on a grid: moments, planes, classes, points, and costs for a robot."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class Patches:
 
     @classmethod
     def of(cls, points: NDArray[np.floating[Any]], size: float) -> Patches:
-        """Return the patches that the finite ones of ``points`` (n, 3) lie in, metres with z up.
+        """Return the patches that contain the finite ``points`` (n, 3), metres with z up.
 
-        Raises :class:`ConfigError` where none is finite, :class:`LimitError` for more than 2²⁰ patches.
+        Raises :class:`ConfigError` if none is finite, :class:`LimitError` for more than 2²⁰ patches.
         """
         _, used = finite_points(points)
         corner = used.min(axis=0)
@@ -53,7 +53,7 @@ class Patches:
         return cls(np.zeros((int(sides[1]), int(sides[0]), 10)), size, corner).with_points(used)
 
     def with_points(self, points: NDArray[np.floating[Any]]) -> Patches:
-        """Return the patches with more points (n, 3), all finite, of which those outside the grid are left out."""
+        """Return the patches with points (n, 3) added, all finite; those outside the grid are ignored."""
         moments = self.moments.copy()
         kernels.add_points(np.ascontiguousarray(points, dtype=np.float64), self.corner, self.size, moments)
         return Patches(moments, self.size, self.corner)
@@ -70,18 +70,19 @@ class Patches:
         return Patches(moments, 2.0 * self.size, self.corner)
 
     def summed_areas(self) -> Float64Array:
-        """Return the summed-area table (rows + 1, cols + 1, 10), of which :meth:`planes` fits windows of any size."""
+        """Return the summed-area table (rows + 1, cols + 1, 10), from which :meth:`planes` fits windows of any size."""
         rows, cols, _ = self.moments.shape
         table = np.empty((rows + 1, cols + 1, 10))
         kernels.sum_areas(self.moments, self.size, table)
         return table
 
     def planes(self, reach: int = 0, min_points: int = 3, table: Float64Array | None = None) -> Float64Array:
-        """Return the planes (rows, cols, 6) of the windows of 2 · ``reach`` + 1 patches around each patch.
+        """Return the planes (rows, cols, 6) of the windows of 2 · ``reach`` + 1 patches per side around each patch.
 
         They are a, b, c of z = a + b·x + c·y about the patch's centre, the mean height, the roughness (m) and the slope
-        (radians); NaN where fewer than ``min_points`` points lie or all of them on a line. ``table`` is that of
-        :meth:`summed_areas`, for several windows of one cloud. Raises :class:`ConfigError` for a negative reach.
+        (radians); NaN for fewer than ``min_points`` points or collinear points. ``table`` is that of
+        :meth:`summed_areas`, to be reused for several windows of one cloud. Raises :class:`ConfigError` for a negative
+        reach.
         """
         if reach < 0 or min_points < 3:
             raise ConfigError(
@@ -93,7 +94,7 @@ class Patches:
         return out
 
     def steps(self, planes: Float64Array) -> Float64Array:
-        """Return the greatest gap (rows, cols), m, between each plane and a neighbour's; NaN without a plane."""
+        """Return the maximum gap (rows, cols), m, between each plane and its neighbours; NaN without a plane."""
         out = np.empty(planes.shape[:2])
         kernels.steps_between(planes, self.size, out)
         return out
@@ -107,10 +108,7 @@ class Patches:
 
 @dataclass(frozen=True, slots=True)
 class Terrain:
-    """``score`` (rows, cols) of each patch, unsafe above 1 and NaN where unknown, and what it is made of.
-
-    ``classes`` (rows, cols) uint8 are UNKNOWN, SAFE and UNSAFE.
-    """
+    """``score`` (rows, cols) of each patch, unsafe above 1 and NaN if unknown, and its components."""
 
     patches: Patches
     config: PatchConfig
@@ -133,7 +131,7 @@ class Terrain:
         return costs
 
     def counts(self) -> dict[str, int]:
-        """Return how many patches are of each class."""
+        """Return the number of patches of each class."""
         n = np.bincount(self.classes.ravel(), minlength=3)
         return {"safe": int(n[SAFE]), "unsafe": int(n[UNSAFE]), "unknown": int(n[UNKNOWN])}
 
@@ -145,7 +143,7 @@ class Terrain:
         return grid
 
     def why(self, row: int, col: int) -> str:
-        """Say in one sentence why a patch has its class."""
+        """Return one sentence on why a patch has its class."""
         name = ("unknown", "safe", "unsafe")[int(self.classes[row, col])]
         if np.isnan(self.score[row, col]):
             n = int(self.patches.moments[row, col, 0])
@@ -166,11 +164,11 @@ class Terrain:
 def assess(
     patches: Patches, config: PatchConfig | None = None, *, occupied: Patches | None = None, reach: int = 0
 ) -> Terrain:
-    """Return the classes of ``patches``, made of ground points, by the config's rule for slope, roughness and step.
+    """Classify ``patches`` of ground points by the config's rule for slope, roughness and step.
 
-    ``occupied`` are the same patches with all points: one that has points but no ground is unsafe. The plane
-    of a patch is that of the window that reaches ``reach`` patches around it, as :meth:`Patches.planes` has it. Raises
-    :class:`ConfigError` for patches of another grid and for a negative reach.
+    ``occupied`` are the same patches with all points: a patch with points but no ground is unsafe. The plane of a patch
+    is that of the window of ``reach`` patches around it, see :meth:`Patches.planes`. Raises :class:`ConfigError` for
+    patches of another grid and for a negative reach.
     """
     config = config or PatchConfig()
     if occupied is not None and occupied.moments.shape != patches.moments.shape:
@@ -189,17 +187,17 @@ def assess(
     return Terrain(patches, config, planes, steps, score, classes)
 
 
-#: Planes of three points for each patch. With half of the points outliers no plane goes through three inliers in two of
-#: a million patches: (1 − 1/8)¹⁰⁰.
+#: Number of three-point planes tried for each patch. With half of the points outliers, no plane passes through three
+#: inliers for two of a million patches: (1 − 1/8)¹⁰⁰.
 TRIALS = 100
 
 
 def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: float) -> BoolArray:
-    """Return which of ``points`` (n, 3), m, are within ``distance``, m along z, of the plane of most of their patch.
+    """Return which of ``points`` (n, 3), m, are within ``distance``, m along z, of their patch's consensus plane.
 
-    The patches are those of the grid of ``patches``; its moments are not used. Points outside of the grid, and those of
-    a patch in which no three points give a plane, agree with nothing. Source: Fischler & Bolles, Random Sample
-    Consensus, 1981; the triples are those of :func:`mapper.terrain.textbook.triples_of`.
+    The patches are those of the grid of ``patches``; its moments are not used. Points outside the grid, and those of a
+    patch in which no three points define a plane, are not included. Source: Fischler & Bolles, Random Sample Consensus,
+    1981; the triples are those of :func:`mapper.terrain.textbook.triples_of`.
     """
     rows, cols, _ = patches.moments.shape
     local = np.asarray(points, dtype=np.float64) - patches.corner
@@ -210,7 +208,7 @@ def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: floa
     patch = at[:, 1] * cols + at[:, 0]
     order = np.argsort(patch, kind="stable")
     in_order = local[kept[order]]
-    # About the patch's centre: planes of points far from 0 lose digits.
+    # About the patch's centre, because planes of points far from 0 lose precision.
     in_order[:, :2] -= (at[order] + 0.5) * patches.size
     starts = np.concatenate([[0], np.cumsum(np.bincount(patch, minlength=rows * cols))]).astype(np.int64)
     agrees = np.empty(len(kept), dtype=np.bool_)
@@ -221,25 +219,27 @@ def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: floa
 
 
 def fitted(points: NDArray[np.floating[Any]], patches: Patches, config: PatchConfig) -> BoolArray:
-    """Return which of ``points`` (n, 3) the planes of ``patches`` are fitted to: all, or those that RANSAC keeps."""
+    """Return which of ``points`` (n, 3) are used for the planes of ``patches``: all, or those selected by RANSAC."""
     if config.fit == "ransac":
         return agreeing(points, patches, config.fit_distance)
     return np.ones(len(points), dtype=np.bool_)
 
 
 class PointIndex:
-    """Points (n, 3) sorted by the patch that they lie in, by the first question: of 2 million points in a tenth of a s.
+    """Points (n, 3) sorted by patch on the first query; for 2 million points that takes a tenth of a second.
 
-    Points outside the patches are left out.
+    Points outside the patches are ignored.
     """
 
     def __init__(self, points: NDArray[np.floating[Any]], patches: Patches) -> None:
         self._points, self._patches = points, patches
         self._order: Int64Array | None = None
-        self._starts = np.zeros(1, dtype=np.int64)  # of each patch among the order, row by row, and the end
+        self._starts = np.zeros(1, dtype=np.int64)  # start of each patch in the order, row by row, and the end
 
     def window(self, row: int, col: int, reach: int = 0) -> Int64Array:
-        """Return the indices (m,), ascending, of the points in the 2 · ``reach`` + 1 patches a side around a patch."""
+        """Return the indices (m,), ascending, of the points in the 2 · ``reach`` + 1 patches per side around a
+        patch.
+        """
         order = self._sorted()
         rows, cols, _ = self._patches.moments.shape
         left, right = max(col - reach, 0), min(col + reach + 1, cols)
@@ -258,7 +258,7 @@ class PointIndex:
             places = np.floor((self._points[:, :2] - patches.corner[:2]) * (1.0 / patches.size))
             inside = np.flatnonzero(((places >= 0) & (places < (cols, rows))).all(axis=1))
             col, row = places[inside].astype(np.min_scalar_type(max(rows, cols))).T
-            # NumPy sorts numbers of 16 bits in linear time.
+            # NumPy sorts 16-bit integers in linear time.
             self._order = inside[np.lexsort((col, row))]
             counts = np.bincount(row.astype(np.int64) * cols + col, minlength=rows * cols)
             self._starts = np.concatenate([[0], np.cumsum(counts)])

@@ -1,7 +1,7 @@
-"""Terrain assessment by planes, in plain NumPy, as a lecture prints it; the kernels must return the same.
+"""Terrain assessment by planes, in plain NumPy as in a lecture; the kernels must return the same.
 
-A patch's points z = a + b·x + c·y have P = Σ v vᵀ with v = [1 x y z]ᵀ (4 × 4), which grows by one term for each point.
-P holds AᵀA = P[:3, :3], Aᵀz = P[:3, 3] and zᵀz = P[3, 3] of the least squares, so that points need not be kept.
+A patch's points z = a + b·x + c·y have P = Σ v vᵀ with v = [1 x y z]ᵀ (4 × 4), to which each point adds one term. P
+contains AᵀA = P[:3, :3], Aᵀz = P[:3, 3] and zᵀz = P[3, 3] of the least squares, so the points need not be stored.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Moments = NDArray[np.float64]
 
 NOTHING = np.zeros((4, 4))  #: P of no points
-FLATNESS = 1e-6  #: the points are on a line where det of their covariance is less than this times the trace squared
+FLATNESS = 1e-6  #: points are collinear if det of their covariance is less than this times the trace squared
 
 
 def add_point(moments: Moments, x: float, y: float, z: float) -> Moments:
@@ -27,7 +27,7 @@ def add_point(moments: Moments, x: float, y: float, z: float) -> Moments:
 
 
 def moments_of(points: Iterable[tuple[float, float, float]]) -> Moments:
-    """Return P (4, 4) of points (x, y, z) about a centre that lies near them.
+    """Return P (4, 4) of points (x, y, z) about a centre near them.
 
     The centre matters: at x = 5·10⁵ m and y = 5·10⁶ m, as in UTM, x² has no digits left for centimetres.
     """
@@ -38,7 +38,7 @@ def moments_of(points: Iterable[tuple[float, float, float]]) -> Moments:
 
 
 def moved(moments: Moments, dx: float, dy: float) -> Moments:
-    """Return P of the same points, about a centre at (``dx``, ``dy``) as seen from the present one: T P Tᵀ."""
+    """Return P of the same points about a centre at (``dx``, ``dy``) relative to the current one: T P Tᵀ."""
     shift = np.eye(4)
     shift[1, 0], shift[2, 0] = -dx, -dy
     return np.asarray(shift @ moments @ shift.T)
@@ -46,11 +46,11 @@ def moved(moments: Moments, dx: float, dy: float) -> Moments:
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """The plane z = a + b·x + c·y of a patch and what describes it; NaN where it has no plane.
+    """The plane z = a + b·x + c·y of a patch and its properties; NaN if it has no plane.
 
-    ``residual`` is the sum of the squared distances along z, in m², which grows with the number of points:
-    ``roughness`` is the root of residual / n, in m. ``slope`` is the angle between the plane and the horizontal,
-    cos⁻¹(1 / √(1 + b² + c²)), in radians.
+    ``residual`` is the sum of squared distances along z, in m², which grows with the number of points; ``roughness`` is
+    the root of residual / n, in m. ``slope`` is the angle between the plane and the horizontal, cos⁻¹(1 / √(1 + b² +
+    c²)), in radians.
     """
 
     a: float
@@ -64,7 +64,7 @@ class Plane:
 
 
 def plane_of(moments: Moments) -> Plane:
-    """Return the least-squares plane of P (4, 4): it takes three points that are not on a line."""
+    """Return the least-squares plane of P (4, 4), which requires three non-collinear points."""
     n = round(moments[0, 0])
     mean = float(moments[0, 3] / n) if n else math.nan
     nothing = Plane(math.nan, math.nan, math.nan, n, mean, math.nan, math.nan, math.nan)
@@ -80,7 +80,7 @@ def plane_of(moments: Moments) -> Plane:
 
 
 def window_moments(grid: NDArray[np.float64], row: int, col: int, reach: int, size: float) -> Moments:
-    """Return P of the patches within ``reach`` rows and columns of one, about its centre.
+    """Return P of the patches within ``reach`` rows and columns of a patch, about its centre.
 
     ``grid`` (rows, cols, 4, 4) has each patch's P about its own centre; patches are squares of ``size`` metres.
     """
@@ -104,8 +104,8 @@ def parents(grid: NDArray[np.float64], size: float) -> NDArray[np.float64]:
 def triples_of(n: int, trials: int) -> NDArray[np.int64]:
     """Return triples (m, 3) of ``n`` points for :func:`ransac_plane`: all, if at most ``trials``, else random ones.
 
-    The random numbers are those of x ← 1664525 x + 1013904223 modulo 2³² from x = n on, without their last 8 bits
-    (Numerical Recipes, 7.1), so that the kernel and the page draw the same triples of n points.
+    The random numbers are x ← 1664525 x + 1013904223 modulo 2³² starting at x = n, without their last 8 bits (Numerical
+    Recipes, 7.1), so that the kernel and the page draw the same triples of n points.
     """
     if math.comb(n, 3) <= trials:
         return np.array(list(itertools.combinations(range(n), 3)), dtype=np.int64).reshape(-1, 3)
@@ -125,11 +125,11 @@ def triples_of(n: int, trials: int) -> NDArray[np.int64]:
 def ransac_plane(
     points: NDArray[np.float64], triples: NDArray[np.int64], distance: float
 ) -> tuple[Plane, NDArray[np.bool_]]:
-    """Return the plane of the points that most others agree with, and these (n,).
+    """Return the plane with the most inliers, and the inliers (n,).
 
-    Each of ``triples`` (m, 3) are indices of three points, whose plane has the points within ``distance`` along z; the
-    first triple with the most points wins, and the plane is fitted to those. Source: Fischler & Bolles, Random Sample
-    Consensus, 1981.
+    Each of ``triples`` (m, 3) are indices of three points, whose plane has the points within ``distance`` along z as
+    inliers. The first triple with the most inliers is chosen, and the plane is fitted to them. Source: Fischler &
+    Bolles, Random Sample Consensus, 1981.
     """
     best = np.zeros(len(points), dtype=np.bool_)
     for triple in triples:
@@ -143,19 +143,19 @@ def ransac_plane(
 def score(
     slope: float, roughness: float, step: float, most: tuple[float, float, float], weights: tuple[float, float, float]
 ) -> float:
-    """Return the weighted sum of a patch's properties, each divided by its greatest safe value; unsafe above 1."""
+    """Return the weighted sum of a patch's properties, each divided by its maximum safe value; unsafe above 1."""
     return sum(w * (value / limit) for w, value, limit in zip(weights, (slope, roughness, step), most, strict=True))
 
 
 def greatest(
     slope: float, roughness: float, step: float, most: tuple[float, float, float], weights: tuple[float, float, float]
 ) -> float:
-    """Return the greatest of the terms of :func:`score`: above 1 where one property alone is above its threshold."""
+    """Return the maximum term of :func:`score`: above 1 if a single property exceeds its threshold."""
     return max(w * (value / limit) for w, value, limit in zip(weights, (slope, roughness, step), most, strict=True))
 
 
 def step(planes: list[list[Plane]], row: int, col: int, size: float) -> float:
-    """Return the greatest gap between a patch's plane and a neighbour's, at the middle of their common edge."""
+    """Return the maximum gap between a patch's plane and a neighbour's, at the middle of their common edge."""
     here, largest = planes[row][col], 0.0
     for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
         r, c = row + down, col + right

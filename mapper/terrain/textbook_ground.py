@@ -1,8 +1,8 @@
-"""SMRF and the steps beside it in plain NumPy, step by step; the kernels must return the same.
+"""SMRF and its additional steps in plain NumPy, step by step; the kernels must return the same.
 
 Source: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
 LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013. Empty cells are filled here by Laplace's
-equation, where the authors use a spring metaphor; the discs grow by one cell at a time as theirs do.
+equation instead of the authors' spring metaphor; as in the paper, the discs grow by one cell at a time.
 """
 
 from __future__ import annotations
@@ -30,9 +30,8 @@ Heights = NDArray[np.float32]
 
 
 def lowest(points: NDArray[np.float64], corner: NDArray[np.float64], cell: float, shape: tuple[int, int]) -> Heights:
-    """Return the height of the lowest point of each cell (rows, cols), metres above the corner; NaN where none is.
-
-    ``points`` (n, 3) in metres; ``corner`` (3,) is the lowest corner of cell (0, 0).
+    """Return the height of the lowest point of each cell (rows, cols), metres above the corner; NaN if there is
+    none.
     """
     heights = np.full(shape, np.nan, dtype=np.float32)
     for x, y, z in points - corner:
@@ -44,8 +43,8 @@ def lowest(points: NDArray[np.float64], corner: NDArray[np.float64], cell: float
 def filled(heights: Heights) -> Heights:
     """Return ``heights`` (rows, cols) with each NaN replaced by about the mean of its four neighbours.
 
-    Laplace's equation from coarse to fine: the half-sized grid of the means of known cells is filled first, gives its
-    values to the unknown cells, and those are then smoothed by Jacobi sweeps. At least one cell is known.
+    Laplace's equation from coarse to fine: the half-sized grid of the means of known cells is filled first and
+    initialises the unknown cells, which are then smoothed by Jacobi sweeps. At least one cell must be known.
     """
     unknown = np.isnan(heights)
     if not unknown.any():
@@ -70,7 +69,7 @@ def filled(heights: Heights) -> Heights:
 
 
 def eroded(heights: Heights, radius: int) -> Heights:
-    """Return the least height within ``radius`` cells of each cell; cells outside the grid are left out."""
+    """Return the minimum height within ``radius`` cells of each cell; cells outside the grid are ignored."""
     rows, cols = heights.shape
     out = np.full_like(heights, np.inf)
     around = np.pad(heights, radius, constant_values=np.float32(np.inf))
@@ -83,7 +82,7 @@ def eroded(heights: Heights, radius: int) -> Heights:
 
 
 def opened(heights: Heights, radius: int) -> Heights:
-    """Return the morphological opening by a disc: bumps that are narrower than it are cut off."""
+    """Return the morphological opening by a disc, which removes narrower bumps."""
     return -eroded(-eroded(heights, radius), radius)
 
 
@@ -92,9 +91,9 @@ def objects(
 ) -> BoolArray:
     """Return the cells (rows, cols) of objects: those that an opening lowers by more than ``slope`` · r · ``cell``.
 
-    The disc grows from r = 1 to ``radius`` cells, and each opening is made of the one before. A crest with flanks of
-    the slope s is lowered by s · ``cell`` more by each disc: so ``share`` · s · ``cell`` is added to the threshold,
-    where s is the slope ``around`` (rows, cols).
+    The disc grows from r = 1 to ``radius`` cells, and each opening is applied to the one before. A crest with flanks of
+    slope s is lowered by s · ``cell`` more by each disc, so ``share`` · s · ``cell`` is added to the threshold, where s
+    is the slope ``around`` (rows, cols).
     """
     is_object = np.zeros(heights.shape, dtype=np.bool_)
     before = heights
@@ -118,7 +117,7 @@ def gradient(surface: Heights, cell: float) -> Heights:
 
 
 def between_cells(surface: Heights, x: float, y: float) -> float:
-    """Return the bilinear value of a surface at (``x``, ``y``) in cells; the border goes on as it is."""
+    """Return the bilinear value of a surface at (``x``, ``y``) in cells, extended by its border values."""
     rows, cols = surface.shape
     u, v = min(max(x - 0.5, 0.0), cols - 1.0), min(max(y - 0.5, 0.0), rows - 1.0)
     col, row = min(int(u), max(cols - 2, 0)), min(int(v), max(rows - 2, 0))
@@ -148,7 +147,7 @@ def near_surface(
 
 
 def lowest_of_blocks(heights: Heights, left_out: BoolArray) -> Heights:
-    """Return the least height of each block of 4 × 4 cells, without those left out; blocks of none are filled."""
+    """Return the minimum height of each block of 4 × 4 cells, without those left out; empty blocks are filled."""
     rows, cols = heights.shape
     lowest = np.full((-(-rows // BLOCK), -(-cols // BLOCK)), np.nan, dtype=np.float32)
     for row, col in np.ndindex(rows, cols):
@@ -158,10 +157,10 @@ def lowest_of_blocks(heights: Heights, left_out: BoolArray) -> Heights:
 
 
 def border_line(lowest: Heights, reach: int, steepest: float) -> list[tuple[np.float32, np.float32]]:
-    """Return the height of the ground in each block of row 0 and how much it rises from there to a block before it.
+    """Return the height of the ground in each block of row 0 and its rise from there to the block before it.
 
-    The rise is the median of the slopes between any two blocks of the first ``reach`` + 1 rows, in the ``reach``
-    columns to both sides too (Theil 1950, Sen 1968). It is not negative: where the ground falls it goes on level.
+    The rise is the median of the slopes between any two blocks of the first ``reach`` + 1 rows, including ``reach``
+    columns to both sides (Theil 1950, Sen 1968). It is not negative: falling ground is continued level.
     """
     rows, cols = lowest.shape
     inside = range(min(reach + 1, rows))
@@ -179,10 +178,10 @@ def border_line(lowest: Heights, reach: int, steepest: float) -> list[tuple[np.f
 
 
 def continued(heights: Heights, lowest: Heights, block: int, width: int, reach: int, steepest: float) -> Heights:
-    """Return ``heights`` (rows, cols) with ``width`` more cells at each border, that rise as the ground inside does.
+    """Return ``heights`` (rows, cols) padded by ``width`` cells at each border, rising like the ground inside.
 
-    ``lowest`` are the lowest heights of blocks of ``block`` × ``block`` cells. Between their centres heights and rises
-    are interpolated.
+    ``lowest`` are the minimum heights of blocks of ``block`` × ``block`` cells. Heights and rises are interpolated
+    between their centres.
     """
     out = np.pad(heights, width)
     for turn in range(4):
@@ -203,9 +202,9 @@ def continued(heights: Heights, lowest: Heights, block: int, width: int, reach: 
 
 
 def slope_around(lowest: Heights, reach: int, slope: float, cell: float, steepest: float) -> Heights:
-    """Return how steep the ground is around each block (rows, cols) of 4 × 4 cells, from the lowest of each block.
+    """Return the slope of the ground around each block (rows, cols) of 4 × 4 cells, from the minimum of each block.
 
-    Openings of these lowest heights take out the objects; the slopes of the rest are averaged within ``reach`` blocks.
+    Openings of these minimum heights remove the objects; the slopes of the rest are averaged within ``reach`` blocks.
     """
     beyond = continued(lowest, lowest, 1, reach, reach, steepest)
     taken = objects(beyond, reach, slope, BLOCK * cell)[reach:-reach, reach:-reach]
@@ -219,16 +218,18 @@ def slope_around(lowest: Heights, reach: int, slope: float, cell: float, steepes
 
 
 def smaller_rise(before: float, after: float) -> float:
-    """Return the smaller of two rises, 0 where one falls: so a slope ends at a step, and none is made up at a crest."""
+    """Return the smaller of two rises, 0 if their signs differ, so that slopes end at steps and crests have no
+    slope.
+    """
     return 0.0 if before * after <= 0.0 else min(before, after, key=abs)
 
 
 def heights_of_centres(
     points: NDArray[np.float64], corner: NDArray[np.float64], whole: Heights, cell: float
 ) -> Heights:
-    """Return the heights (rows, cols) that the lowest points of cells have once moved along the slope to the centres.
+    """Return the heights (rows, cols) of the cells' lowest points, moved along the slope to the centres.
 
-    ``whole`` are the heights of the lowest points themselves, filled. The slope is the smaller one of both sides.
+    ``whole`` are the filled heights of the lowest points themselves. The slope is the smaller one of the two sides.
     """
     rows, cols = whole.shape
     places: dict[tuple[int, int], tuple[float, float, float]] = {}
@@ -246,7 +247,7 @@ def heights_of_centres(
 
 
 def goes_on(heights: list[np.float32], cell: float, height: float) -> bool:
-    """Whether a surface goes on smoothly over four cells in a line: the rises before, between and after two agree."""
+    """Return whether a surface is smooth over four cells in a line: the rises before, between and after two agree."""
     first, rise, last = (b - a for a, b in itertools.pairwise(heights))
     return all(
         abs(other) <= np.float32(STEEPEST * cell)
@@ -260,9 +261,10 @@ def given_back(
 ) -> tuple[BoolArray, BoolArray]:
     """Return which ``taken`` cells (rows, cols) are ground after all, and which of the others are in doubt.
 
-    Taken cells over which the surface goes on are one segment. Of its sides some go on into the ground, some are a
-    drop, some rise to what is beside. Crests and edges of terraces have many of the first beside the second. Spurs have
-    the first on one side only: there the sum of their directions is ``front`` cells long or longer.
+    Connected taken cells with a continuous surface form a segment. Some of its sides continue into the ground, some are
+    drops, some rise to their neighbours. Crests and edges of terraces have many of the first kind compared with the
+    second. Spurs have the first kind on one side only, where the sum of their directions is at least ``front`` cells
+    long.
     """
     rows, cols = heights.shape
     sides = ((0, 1), (1, 0), (0, -1), (-1, 0))
@@ -307,7 +309,7 @@ def given_back(
 
 
 def continues(point: NDArray[np.float64], others: NDArray[np.float64], height: float, share: float) -> bool:
-    """Whether a ``point`` (3,) is within ``height`` + ``share`` · slope of the plane of ``others`` (m, 3)."""
+    """Return whether a ``point`` (3,) is within ``height`` + ``share`` · slope of the plane of ``others`` (m, 3)."""
     if len(others) < PLANE_POINTS:
         return False
     local = others - point
@@ -327,7 +329,7 @@ def continues(point: NDArray[np.float64], others: NDArray[np.float64], height: f
 
 
 def continuing(points: NDArray[np.float64], ground: BoolArray, cell: float, height: float, share: float) -> BoolArray:
-    """Return which points (n,) that are not ground lie on the plane of the lowest ground points on one side of them.
+    """Return which points (n,) that are not ground are on the plane of the lowest ground points on one side of them.
 
     ``points`` (n, 3) are in metres from the corner of the cells. Each side is a box of cells.
     """
@@ -356,8 +358,8 @@ def ground_points(
 ) -> tuple[BoolArray, Heights, BoolArray]:
     """Return which points (n,) are ground, the surface (rows, cols), and which points are unsure.
 
-    The surface of the ground is in metres above the corner. Each pass after the first makes it of the lowest ground
-    points of the pass before: what the discs cut off a bank or a terrace comes back where it continues the surface.
+    The surface is in metres above the corner. Each pass after the first computes it from the lowest ground points of
+    the pass before, so that parts removed from a bank or terrace are restored where they continue the surface.
     """
     cell, height = config.cell, config.height
     least = lowest(points, corner, cell, shape)

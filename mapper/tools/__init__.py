@@ -1,1 +1,1 @@
-"""Programs for developers and images: benchmarks, compiling the kernels ahead of time."""
+"""Programs for developers and images: benchmarks, ahead-of-time compilation of the kernels."""

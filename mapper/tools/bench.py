@@ -1,4 +1,4 @@
-"""Time to make a log's map in this process, without reading, start-up and compilation."""
+"""Benchmark of mapping a log in this process, without reading, start-up and compilation."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def bench_map(
 ) -> dict[str, float | int]:
     """Map the whole log ``repeats`` times with each kind of update; return the best times.
 
-    ``per_beam_ms`` and ``per_scan_ms`` are milliseconds for all scans into an empty grid that holds everything;
-    ``cells`` and ``per_scan_cells`` are the cell updates that one such pass makes per beam and per scan.
+    ``per_beam_ms`` and ``per_scan_ms`` are milliseconds for all scans into an empty grid that contains everything;
+    ``cells`` and ``per_scan_cells`` are the numbers of cell updates of one such pass.
     """
     if repeats < 1:
         raise ConfigError("bench.repeats", f"A measurement needs at least one repetition, not {repeats}.")
@@ -28,7 +28,7 @@ def bench_map(
     for update in ("per_beam", "per_scan"):
         kind = replace(config, update=update)
         geometry = geometry_for(log, kind, trajectory)
-        # One scan first: the kernels are compiled, or loaded from the cache, before the clock runs.
+        # Map one scan first, so that compiling or loading the kernels is not timed.
         integrate_log(OccupancyGrid(geometry, kind.log_odds_prior), log, kind, trajectory, 0, 1)
         best = float("inf")
         for _ in range(repeats):

@@ -1,8 +1,9 @@
 """``python -m mapper.tools.epsg_units PROJ.DB``: print :mod:`mapper.io.clouds.epsg_units`.
 
-PROJ.DB is the database of PROJ (proj.db, SQLite), which holds the EPSG dataset. Of a compound system the units are
-those of its two parts. The numbers of a unit are joined to spans where no system of another unit, nor one whose
-coordinates are no lengths, has a number between them. Numbers from 32767 on stand for no system in a projection record.
+PROJ.DB is the database of PROJ (proj.db, SQLite), which contains the EPSG dataset. The units of a compound system are
+those of its two parts. Codes with the same unit are joined into spans if no system with another unit, or with
+coordinates that are not lengths, has a code in between. Codes from 32767 on do not denote a system in a projection
+record.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 
-USER_DEFINED = 32767  #: where a record defines its system itself
+USER_DEFINED = 32767  #: the record itself defines its system
 _HEAD = '''"""Units of the projected and the vertical systems of the EPSG dataset {version} of {date}, by their numbers.
 
 Written by ``python -m mapper.tools.epsg_units`` from the database of PROJ {proj}; not edited by hand.
@@ -37,7 +38,7 @@ _UNITS = "SELECT CAST(code AS INT), name, conv_factor FROM unit_of_measure WHERE
 
 
 def spans_of(units: Mapping[int, int], numbers: Iterable[int]) -> dict[int, list[tuple[int, int]]]:
-    """Return the spans of numbers (first, last) of each unit; ``numbers`` are those of all systems."""
+    """Return the spans of codes (first, last) of each unit; ``numbers`` are the codes of all systems."""
     spans: dict[int, list[tuple[int, int]]] = {}
     before = None
     for number in sorted(numbers):
@@ -65,7 +66,7 @@ def _written(name: str, remark: str, spans: Mapping[int, list[tuple[int, int]]])
 
 
 def module_text(path: str) -> str:
-    """Return the module that the database at ``path`` gives."""
+    """Return the text of the module for the database at ``path``."""
     with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as database:
         kinds = ("projected_crs", "vertical_crs", "geodetic_crs")
         projected, vertical, geodetic = (dict(database.execute(_AXIS.format(table=kind))) for kind in kinds)

@@ -1,8 +1,8 @@
-"""``python -m mapper.tools.nav2_names CHECKOUT…``: compare the parameters that Nav2 declares with those known here.
+"""``python -m mapper.tools.nav2_names CHECKOUT…``: compare the parameters declared by Nav2 with those known here.
 
-Each CHECKOUT is a folder with the sources of one release of navigation2, of which only the files of :data:`SOURCES` are
-read. It prints what they declare and :mod:`mapper.io.nav2_declared` lacks, and of the names there those that none of
-the checkouts declares, as names of other releases. It exits with 1 where a name is lacking.
+Each CHECKOUT is a folder with the sources of one release of navigation2, of which only the files in :data:`SOURCES` are
+read. It prints the declared names that :mod:`mapper.io.nav2_declared` lacks, and the names there that none of the
+checkouts declares, as names of other releases. It exits with 1 if a name is missing.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from mapper.localization.parameters import BY_NAME
 
 _FILTERS = "nav2_costmap_2d/plugins/costmap_filters"
 _PURSUIT = "nav2_regulated_pure_pursuit_controller/src"
-#: Files of a checkout, and the names that are known of what they declare for a node or a plugin itself.
+#: Files of a checkout, and the known names of what they declare for a node or a plugin itself.
 SOURCES: Mapping[str, frozenset[str]] = MappingProxyType({
     "nav2_costmap_2d/src/costmap_2d_ros.cpp": COSTMAP,
     "nav2_costmap_2d/plugins/static_layer.cpp": LAYERS["StaticLayer"],
@@ -54,17 +54,17 @@ SOURCES: Mapping[str, frozenset[str]] = MappingProxyType({
     "nav2_amcl/src/amcl_node.cpp": AMCL | {*NAV2_NAMES} | ({*BY_NAME} - {*OWN_ROWS}),
 })  # fmt: skip
 _OF_SOURCES = SOURCE | {*RENAMED}
-#: A call of declare_parameter or of one of its kin, as far as the argument that is the name: it has a text in it.
+#: A call of declare_parameter or a related function, up to the name argument, which contains a string.
 _CALL = re.compile(
     r'(?:declare\w*_?[pP]arameter\w*|add_parameter)\s*(?:<[^;()]*>)?\s*\((?:\s*\w+\s*,)?\s*([^,;"]*"[^,;]*?)\s*[,)]'
 )
-_OWN = re.compile(r"(?:plugin_)?(?:name_?)?\s*\+?\s*")  #: what stands before a name of the node or the plugin itself
+_OWN = re.compile(r"(?:plugin_)?(?:name_?)?\s*\+?\s*")  #: prefix of a name of the node or the plugin itself
 
 
 def declared(text: str) -> Iterator[tuple[str, bool]]:
-    """Yield the names of parameters that a C++ source declares, and whether it is one of a source of observations.
+    """Yield the names of parameters that a C++ source declares, and whether they belong to an observation source.
 
-    Names of plugins that the node only loads are left out, as ``default_ids_[i] + ".plugin"``.
+    Names of plugins that the node only loads are skipped, such as ``default_ids_[i] + ".plugin"``.
     """
     for (argument,) in ((match[1],) for match in _CALL.finditer(text)):
         before = argument.partition('"')[0]
@@ -75,7 +75,7 @@ def declared(text: str) -> Iterator[tuple[str, bool]]:
 
 
 def main(folders: list[str]) -> int:
-    """Print the comparison; return 1 where a name is lacking."""
+    """Print the comparison; return 1 if a name is missing."""
     seen, known, lacking = set[str](), set[str](), False
     for folder in map(Path, folders):
         for path, names in SOURCES.items():

@@ -1,10 +1,10 @@
 """``python -m mapper.tools.precompile``: compile every kernel, so that the first visitor does not wait for it.
 
-With ``--lab``, compile only those that a new simulated world needs; with ``--background``, all at the lowest priority
-until standard input ends, unless that was done before or another process is at it.
+With ``--lab``, compile only those needed by a new simulated world. With ``--background``, compile all at the lowest
+priority until standard input ends, unless that was done before or another process is doing it.
 
-numba keeps what it compiles (in NUMBA_CACHE_DIR, or next to the sources), and an image or a machine that ran this once
-starts at full speed. It exits with 1 and names the kernel if one was left out.
+numba caches compiled code (in NUMBA_CACHE_DIR, or next to the sources), so an image or a machine that ran this once
+starts at full speed. It exits with 1 and names the kernel if one was missed.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
 
 class _NoEvidence:
-    """A sensor model that is not one of the built-in ones."""
+    """A user-defined sensor model."""
 
     reach = 0.0
 
@@ -94,7 +94,7 @@ class _NoEvidence:
 
 
 def precompile_lab() -> None:
-    """Explore a simulated world with the default parameters, compute its map again, and draw it."""
+    """Explore a simulated world with the default parameters, recompute its map, and draw it."""
     live = LiveMap(WORLDS["office"], seed=0)
     live.advance(SECONDS)
     live.remake(live.config)
@@ -123,7 +123,7 @@ def _draw(grid: OccupancyGrid) -> None:
 
 
 def precompile() -> None:
-    """Use each part of the mapper once, as the service does: drive, record, map with every kernel, draw."""
+    """Use each part of the mapper once, like the service: drive, record, map with every kernel, draw."""
     world = WORLDS["room"]
     simulation = Simulation(world)
     recording = Recording(simulation.sensor)
@@ -167,7 +167,7 @@ def precompile() -> None:
 
 
 def _localize(log: ScanLog, grid: OccupancyGrid) -> None:
-    """Take the first scan of a log by each sensor model, at a start without a hint and at a given one."""
+    """Process the first scan of a log with each sensor model, from a global start and from a given pose."""
     pose = grid.geometry.cell_to_world((grid.geometry.rows // 2, grid.geometry.cols // 2)).tolist()
     for model in ("likelihood_field_prob", "beam"):
         robot = MonteCarloLocalizer(grid, LocalizationConfig(laser_model_type=model, global_particles=1000))
@@ -177,7 +177,7 @@ def _localize(log: ScanLog, grid: OccupancyGrid) -> None:
 
 
 def _plan(geometry: GridGeometry) -> None:
-    """Lay the layers of a costmap over an empty map with one observation, and plan by each algorithm."""
+    """Apply the layers of a costmap to an empty map with one observation, and plan with each algorithm."""
     seen_by = (
         NamedLayer("obstacle_layer", ObstacleConfig()),
         NamedLayer("voxel_layer", VoxelConfig()),
@@ -193,7 +193,7 @@ def _plan(geometry: GridGeometry) -> None:
     corners = middle + np.array([[0.5, 0.0], [1.0, 0.0], [1.0, 0.5]])
     built.keepout.paint(corners, 100)
     built.costmap.update(0.0, (float(middle[0]), float(middle[1]), 0.0))
-    far = InflationConfig(inflation_radius=200 * geometry.resolution)  # distances of 32 bits
+    far = InflationConfig(inflation_radius=200 * geometry.resolution)  # for 32-bit distances
     inflate(built.costmap.costs, far, geometry.resolution, 0.1, np.empty_like(built.costmap.costs))
     squared_distances(built.costmap.costs, 1)
     for use_astar in (False, True):
@@ -201,7 +201,7 @@ def _plan(geometry: GridGeometry) -> None:
 
 
 def _match(log: ScanLog) -> None:
-    """Match the first two scans of a log, and a scan with both, by each method."""
+    """Match the first two scans of a log, and a scan with both, with each method."""
     scans, guess = prepare_scans(log, 0, 2), np.zeros(3)
     single, both = scan_target(scans, 0), Target(scans, np.arange(2), log.trajectory().poses[:2])
     for method in METHODS:
@@ -218,7 +218,9 @@ def _match(log: ScanLog) -> None:
 
 
 def _close_a_loop(log: ScanLog) -> None:
-    """Run SLAM over a few scans that go to and fro, and call what it calls only where a loop closes."""
+    """Run SLAM over a few scans that go back and forth, and call the functions that it only calls when a loop
+    closes.
+    """
     order = np.tile(np.arange(min(3, log.n_scans)), 10)
     poses = np.column_stack([np.arange(len(order)) * 0.2, np.zeros((len(order), 2))])
     again = replace(log, ranges=log.ranges[order], stamps_ns=log.stamps_ns[order], trajectories={"": Trajectory(poses)})
@@ -238,7 +240,7 @@ def _close_a_loop(log: ScanLog) -> None:
 
 
 def _map_in_3d() -> None:
-    """Map one beam as voxels, ask the map, and write and read its octree."""
+    """Map one beam as voxels, query the map, and write and read its octree."""
     volume = OccupancyVolume(VolumeConfig(half_life=10.0))
     volume.insert_scan(np.ones((1, 3)), np.zeros(3))
     volume.decay(1.0)
@@ -268,7 +270,7 @@ def _assess_terrain() -> None:
     points = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 1.0], [0.0, 3.0, 0.5], [3.0, 3.0, 4.0]])
     find_ground(points)
     flags = np.zeros((4, 4), dtype=np.bool_)
-    mark_near(points, flags[0], np.zeros(2), 1.0, 1, flags)  # where points are added to the ground
+    mark_near(points, flags[0], np.zeros(2), 1.0, 1, flags)  # called when points are added to the ground
     agreeing(points, Patches.of(points, 4.0), 0.1)
     assess(Patches.of(points, 4.0).parents())
 
@@ -276,7 +278,7 @@ def _assess_terrain() -> None:
 def kernels() -> dict[str, bool]:
     """Return every jitted function of the packages ``mapper.*.kernels`` by its full name, and whether it is compiled.
 
-    Functions with a leading underscore are compiled into those that call them and do not count.
+    Functions with a leading underscore are compiled into their callers and do not count.
     """
     compiled: dict[str, bool] = {}
     for info in pkgutil.walk_packages(mapper.__path__, "mapper."):
@@ -290,7 +292,7 @@ def kernels() -> dict[str, bool]:
 
 
 def _mark() -> Path:
-    """Return the path of the empty file that says that all present kernels are compiled for this processor."""
+    """Return the path of the empty marker file for "all current kernels are compiled for this processor"."""
     import llvmlite  # noqa: PLC0415 - imports numba, which `--lab` does later
     from llvmlite.binding import get_host_cpu_features, get_host_cpu_name  # noqa: PLC0415
 
@@ -303,16 +305,16 @@ def _mark() -> Path:
 
 
 def _end_with_input() -> None:
-    """End this process when its standard input ends, as it does when the process at its other end has ended."""
+    """End this process when its standard input ends, that is, when the process at the other end has ended."""
     while os.read(sys.stdin.fileno(), 4096):
         pass
     os._exit(0)
 
 
 def _background_turn(mark: Path) -> bool:
-    """Make way for all other processes; return whether there is something to compile and no other one is at it."""
+    """Lower the priority; return whether there is something to compile and no other process is compiling it."""
     os.nice(19)
-    with suppress(OSError):  # Linux: where memory runs out, it is this process that ends
+    with suppress(OSError):  # Linux: if memory runs out, this process is killed first
         Path("/proc/self/oom_score_adj").write_text("1000")
     threading.Thread(target=_end_with_input, daemon=True).start()
     if mark.exists():
@@ -322,13 +324,13 @@ def _background_turn(mark: Path) -> bool:
         fcntl.flock(os.open(mark.parent, os.O_RDONLY), fcntl.LOCK_EX | fcntl.LOCK_NB)  # until this process ends
     except BlockingIOError:
         return False
-    except OSError:  # there is no such folder: numba keeps the kernels in one of the user's own
+    except OSError:  # no such folder: numba caches the kernels in a folder of the user
         return True
     return not mark.exists()
 
 
 def main() -> int:
-    """Compile the kernels and print how long it took; return the exit status."""
+    """Compile the kernels and print the time taken; return the exit status."""
     began = time.perf_counter()
     if sys.argv[1:] == ["--lab"]:
         precompile_lab()
@@ -346,7 +348,7 @@ def main() -> int:
         print(f"{name} was not compiled: mapper/tools/precompile.py does not use it.", file=sys.stderr)
     print(f"{len(done) - len(cold)} of {len(done)} kernels ready in {time.perf_counter() - began:.1f} s")
     if not cold:
-        with suppress(OSError):  # where it cannot be written, the next run finds the kernels compiled one by one
+        with suppress(OSError):  # if it is not writable, the next run finds the kernels compiled one by one
             mark.parent.mkdir(parents=True, exist_ok=True)
             mark.touch()
     return 1 if cold else 0

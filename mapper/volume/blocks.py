@@ -1,6 +1,7 @@
-"""Blocks of 8³ voxels that are found by a hash: which blocks there are, and the slot of each.
+"""Hash of blocks of 8³ voxels: which blocks exist, and the slot of each.
 
-What a voxel holds is the owner's matter: arrays (slots, 8, 8, 8, ...) that grow with :attr:`BlockHash.capacity`.
+The contents of voxels are stored by the owner, in arrays (slots, 8, 8, 8, ...) that grow with
+:attr:`BlockHash.capacity`.
 """
 
 from __future__ import annotations
@@ -14,11 +15,11 @@ from mapper.volume.kernels.blocks import add_blocks, find_slots
 from mapper.volume.kernels.types import BlockTable
 
 BLOCK = 8  #: voxels along the side of a block
-KEYS = 1 << 16  #: voxels along an axis; key 32768 begins at coordinate 0
+KEYS = 1 << 16  #: voxels along an axis; key 32768 starts at coordinate 0
 
 
 class BlockHash:
-    """The blocks of a volume. Slots are given in the order in which blocks are added, from 0."""
+    """The blocks of a volume. Slots are numbered from 0 in insertion order."""
 
     def __init__(self, limits: Limits = DEFAULT_LIMITS) -> None:
         self.limits = limits
@@ -28,30 +29,30 @@ class BlockHash:
 
     @property
     def codes(self) -> Int64Array:
-        """The codes (n,) of the blocks in the order of their slots."""
+        """The codes (n,) of the blocks in slot order."""
         return self._codes[: self.count]
 
     @property
     def capacity(self) -> int:
-        """For how many blocks an owner's arrays should have room."""
+        """Number of blocks for which an owner's arrays should have room."""
         return len(self._codes)
 
     @property
     def corners(self) -> Int64Array:
-        """The keys (n, 3), x y z, of the first voxels of the blocks in the order of their slots."""
+        """The keys (n, 3), x y z, of the first voxels of the blocks in slot order."""
         codes = self.codes
         return np.stack([codes & 0x1FFF, codes >> 13 & 0x1FFF, codes >> 26], axis=1) * BLOCK
 
     def find(self, codes: Int64Array) -> Int32Array:
-        """Return the slots (n,) of blocks, −1 for those that there are not."""
+        """Return the slots (n,) of blocks, −1 for missing ones."""
         out = np.empty(len(codes), dtype=np.int32)
         find_slots(self.table, codes, out)
         return out
 
     def add(self, codes: Int64Array) -> Int32Array:
-        """Return the slots (n,) of blocks, new ones for those that there were not; ``codes`` (n,) are all different.
+        """Return the slots (n,) of blocks, adding missing ones; the ``codes`` (n,) must be distinct.
 
-        Raises :class:`LimitError` for more blocks than the limits allow, and adds none of them.
+        Raises :class:`LimitError` for more blocks than the limits allow; none is then added.
         """
         needed = self.count + int((self.find(codes) < 0).sum())
         if needed > self.limits.max_blocks:

@@ -9,7 +9,7 @@ from mapper.core.array_types import Float64Array
 
 @dataclass(frozen=True, slots=True)
 class PlacedScan:
-    """Points (n, 3) in the map's frame, metres, at ``stamp_ns``; ``origin`` (3,) is None where it is not known."""
+    """Points (n, 3) in the map's frame, metres, at ``stamp_ns``; ``origin`` (3,) is None if unknown."""
 
     points: Float64Array
     origin: Float64Array | None

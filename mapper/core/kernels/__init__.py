@@ -1,1 +1,1 @@
-"""Compiled kernels that belong to no field of their own."""
+"""Compiled kernels that belong to no particular field."""

@@ -1,4 +1,4 @@
-"""Numbers as text."""
+"""Formatting of numbers as text."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from mapper.core.array_types import Float32Array, UInt8Array
 from mapper.core.jit import jit
 
-MOST_BYTES = 16  #: of a number and the comma after it
-GREATEST = 1e9  #: numbers below it are written
+MOST_BYTES = 16  #: for a number and the following comma
+GREATEST = 1e9  #: numbers must be below this value
 TOO_LARGE = -1
 _NULL = np.frombuffer(b"null", dtype=np.uint8)
 
@@ -19,9 +19,9 @@ _NULL = np.frombuffer(b"null", dtype=np.uint8)
 def write_thousandths(values: Float32Array, low: float, high: float, out: UInt8Array) -> int:
     """Write ``values`` (n,) as an array in JSON, rounded to thousandths; return the number of bytes.
 
-    A value that is not from ``low`` ≥ 0 to ``high``, or not finite, is null. ``out`` has room for :data:`MOST_BYTES`
-    bytes a value and two more. The text is the shortest that reads as the same float64. Where a value is
-    :data:`GREATEST` or more, :data:`TOO_LARGE` is returned.
+    A value outside [``low``, ``high``], with ``low`` ≥ 0, or not finite is written as null. ``out`` has room for
+    :data:`MOST_BYTES` bytes per value plus two. Each text is the shortest that parses to the same float64. Returns
+    :data:`TOO_LARGE` if a value is :data:`GREATEST` or more.
     """
     out[0] = ord("[")
     at = 1

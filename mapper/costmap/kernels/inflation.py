@@ -2,10 +2,10 @@
 
 Numba twins of :func:`mapper.costmap.textbook.squared_distances` and :func:`mapper.costmap.textbook.inflate`.
 
-The distance is separable: of a cell it is the least, over the columns within the radius, of dx² + (distance to the
-nearest obstacle of that column)². Distances in a column are counted over rows in two passes. Source: Felzenszwalb &
-Huttenlocher, Distance Transforms of Sampled Functions, 2012, section 2; here by plain comparison, because the radius
-is short and slices of rows are compiled to vector instructions.
+The distance is separable: for a cell it is the minimum, over the columns within the radius, of dx² + (distance to the
+nearest obstacle of that column)². Distances within a column are computed in two passes over the rows. Source:
+Felzenszwalb & Huttenlocher, Distance Transforms of Sampled Functions, 2012, section 2; here by direct comparison,
+because the radius is small and slices of rows are vectorised.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ LETHAL, INSCRIBED, NO_INFORMATION = np.uint8(254), np.uint8(253), np.uint8(255)
 
 @jit
 def mark_blocks(costs: UInt8Array, with_unknown: bool, out: BoolArray) -> None:
-    """Write which blocks (rows / 64, cols / 64), rounded up, hold an obstacle."""
+    """Write which blocks (rows / 64, cols / 64), rounded up, contain an obstacle."""
     rows, cols = costs.shape
     for block_row in range(out.shape[0]):
         for block_col in range(out.shape[1]):
@@ -46,7 +46,7 @@ def mark_blocks(costs: UInt8Array, with_unknown: bool, out: BoolArray) -> None:
 
 @jit
 def near_blocks(blocks: BoolArray, row0: int, row1: int, col0: int, col1: int) -> bool:
-    """Return whether any block that has a cell of the box [row0, row1) × [col0, col1) is marked."""
+    """Return whether any block that overlaps the box [row0, row1) × [col0, col1) is marked."""
     for row in range(max(row0, 0) // 64, min((row1 + 63) // 64, blocks.shape[0])):
         for col in range(max(col0, 0) // 64, min((col1 + 63) // 64, blocks.shape[1])):
             if blocks[row, col]:
@@ -60,7 +60,7 @@ def _column_distances(
 ) -> None:
     """Write the distance (rows, cols) of each cell to the nearest obstacle of its column, at most ``radius`` + 1.
 
-    Cell (0, 0) of ``columns`` is cell (top, left) of ``costs``; cells outside ``costs`` hold no obstacle.
+    Cell (0, 0) of ``columns`` is cell (top, left) of ``costs``; cells outside ``costs`` have no obstacle.
     """
     rows, cols = columns.shape
     far = np.uint8(radius + 1)
@@ -98,10 +98,11 @@ def tile_distances(
     costs: UInt8Array, with_unknown: bool, radius: int, row0: int, col0: int, columns: UInt8Array, squares: Squares,
     out: Squares,
 ) -> None:  # fmt: skip
-    """Write the squared distances (rows, cols), in cells, of the tile whose cell (0, 0) is (row0, col0) of ``costs``.
+    """Write the squared distances (rows, cols), in cells, of the tile with its cell (0, 0) at (row0, col0) of
+    ``costs``.
 
-    Farther than ``radius`` is radius² + 1. ``columns`` (rows + 2 radius, cols + 2 radius) uint8 and ``squares``
-    (cols + 2 radius,) are working memory; ``squares`` and ``out`` hold unsigned integers of one type, which must hold
+    Distances beyond ``radius`` are radius² + 1. ``columns`` (rows + 2 radius, cols + 2 radius) uint8 and ``squares``
+    (cols + 2 radius,) are working memory; ``squares`` and ``out`` have the same unsigned integer type, which must hold
     2 (radius + 1)². ``radius`` is at most 253.
     """
     rows, cols = out.shape
@@ -116,8 +117,8 @@ def tile_distances(
             nearest = min(nearest, int(np.int64(line[k])))
         if nearest > radius:
             continue
-        # Only columns within the radius of the first and the last obstacle near this row, and no step sideways that
-        # is too long for the obstacle with the least distance along its column.
+        # Only columns within the radius of the first and the last obstacle near this row, and no horizontal offset too
+        # long for the obstacle with the smallest distance along its column.
         first, last = 0, line.shape[0] - 1
         while line[first] > radius:
             first += 1
@@ -125,7 +126,7 @@ def tile_distances(
             last -= 1
         reach = int(sqrt(radius * radius - nearest * nearest))
         begin, end = max(first - radius - reach, 0), min(last - radius + reach + 1, cols)
-        if begin >= end:  # every obstacle near this row is too far beside the tile
+        if begin >= end:  # every obstacle near this row is too far from the tile horizontally
             continue
         for k in range(squares.shape[0]):
             squares[k] = kind(line[k]) * kind(line[k])
@@ -148,10 +149,10 @@ def tile_distances(
 
 @jit
 def write_costs(squared: Squares, table: UInt8Array, inflate_unknown: bool, costs: UInt8Array, out: UInt8Array) -> None:
-    """Write the costs (rows, cols) of a tile: the greater of the old cost and that of the distance, as Nav2 does.
+    """Write the costs (rows, cols) of a tile: the greater of the old cost and that of the distance, as in Nav2.
 
-    ``squared`` (rows, cols) are squared distances in cells, ``table`` the cost of each. A cell without information
-    takes the cost of the distance where it is at least 253, or greater than 0 with ``inflate_unknown``.
+    ``squared`` (rows, cols) are squared distances in cells, ``table`` the cost of each. A cell without information gets
+    the cost of the distance if it is at least 253, or greater than 0 with ``inflate_unknown``.
     """
     rows, cols = out.shape
     least = np.uint8(1) if inflate_unknown else INSCRIBED

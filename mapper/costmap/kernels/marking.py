@@ -1,4 +1,4 @@
-"""Which points mark a cell, and the box of cells that were written.
+"""Test of which points mark a cell, and bounding box of written cells.
 
 Plain Python functions: each module of kernels compiles its own copies.
 """
@@ -11,7 +11,7 @@ from mapper.core.array_types import Float64Array, Int64Array
 
 
 class Marking(NamedTuple):
-    """Bounds of the points that mark: distance from the sensor and height, metres."""
+    """Limits for points that mark: distance from the sensor and height, metres."""
 
     obstacle_min_range: float
     obstacle_max_range: float
@@ -20,7 +20,7 @@ class Marking(NamedTuple):
 
 
 def include(box: Int64Array, row: int, col: int) -> None:
-    """Enlarge a box (row0, row1, col0, col1) so that it holds a cell."""
+    """Extend a box (row0, row1, col0, col1) to contain a cell."""
     box[0], box[1] = min(box[0], row), max(box[1], row + 1)
     box[2], box[3] = min(box[2], col), max(box[3], col + 1)
 

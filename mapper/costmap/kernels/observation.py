@@ -1,7 +1,4 @@
-"""Mark the end points of readings and clear what their beams passed.
-
-Numba twins of :func:`mapper.costmap.textbook.mark_and_clear` and :func:`mapper.costmap.textbook.line_cells`.
-"""
+"""Marking of endpoints and clearing along beams."""
 
 from __future__ import annotations
 
@@ -60,10 +57,10 @@ def clear_lines(
     points: Float64Array, sensor: Float64Array, frame: Frame, least: int, most: int, value: Any, out: Values,  # noqa: ANN401
     box: Int64Array,
 ) -> None:  # fmt: skip
-    """Write ``value`` into the cells between the sensor and each of ``points`` (n, 3), which it cuts at the border.
+    """Write ``value`` into the cells between the sensor and each of ``points`` (n, 3), clipped at the border.
 
-    ``least`` and ``most`` are the clearing ranges in cells. ``box`` (row0, row1, col0, col1) is enlarged by what was
-    written. Nothing is written where the sensor (3,) is outside the grid.
+    ``least`` and ``most`` are the clearing ranges in cells. ``box`` (row0, row1, col0, col1) is extended to the written
+    cells. Nothing is written if the sensor (3,) is outside the grid.
     """
     rows, cols = out.shape
     o_u, o_v = _to_lattice(sensor[0], sensor[1], frame)
@@ -91,7 +88,7 @@ def mark_cells(
     points: Float64Array, sensor: Float64Array, frame: Frame, marking: Marking, value: Any, out: Values,  # noqa: ANN401
     box: Int64Array,
 ) -> None:  # fmt: skip
-    """Write ``value`` into the cells of those of ``points`` (n, 3) that mark; ``box`` is enlarged by them."""
+    """Write ``value`` into the cells of those ``points`` (n, 3) that mark; extend ``box`` to them."""
     rows, cols = out.shape
     for i in range(points.shape[0]):
         if not _marks(points[i], sensor, marking):
@@ -105,7 +102,7 @@ def mark_cells(
 
 @jit
 def fill_polygon(vertices: Float64Array, value: Any, out: Values, box: Int64Array) -> None:  # noqa: ANN401
-    """Write ``value`` into the cells whose centres are in a polygon, (n, 2) lattice coordinates (u, v); any polygon."""
+    """Write ``value`` into the cells with centres inside any polygon, (n, 2) lattice coordinates (u, v)."""
     rows, cols = out.shape
     low, high = max(vertices[:, 1].min(), 0.0), min(vertices[:, 1].max(), float(rows))
     crossings = np.empty(vertices.shape[0])
@@ -130,10 +127,7 @@ def fill_polygon(vertices: Float64Array, value: Any, out: Values, box: Int64Arra
 
 @jit
 def lay_over(layer: NDArray[np.uint8], method: int, master: NDArray[np.uint8]) -> None:
-    """Lay a layer (rows, cols) over a master in place: 0 overwrite, 1 greater, 2 greater of known, 3 overwrite all.
-
-    Numba twin of :func:`mapper.costmap.textbook.combine`.
-    """
+    """Combine a layer (rows, cols) with a master in place: 0 overwrite, 1 max, 2 max of known, 3 overwrite all."""
     for row in range(master.shape[0]):
         old, new = master[row], layer[row]
         for k in range(old.shape[0]):

@@ -1,4 +1,4 @@
-"""Columns of voxels as bits: the upper half of 32 bits says which voxels are marked, the lower which are not free.
+"""Columns of voxels as bits: the upper 16 of 32 bits are the marked voxels, the lower 16 the voxels that are not free.
 
 Marked is (1, 1), unknown (0, 1), free (0, 0). Numba twins of :func:`mapper.costmap.textbook.mark_voxels` and
 :func:`mapper.costmap.textbook.clear_voxels`. Source: nav2_voxel_grid, voxel_grid.hpp; nav2_costmap_2d, voxel_layer.cpp.
@@ -24,11 +24,11 @@ _marks = jit(marks)
 
 Columns = NDArray[np.unsignedinteger[Any]]  #: (rows, cols) uint32
 
-_END = 1e-5  #: by which a beam that is cut at the border ends before it, as a share of its length
+_END = 1e-5  #: fraction of its length by which a clipped beam ends before the border
 
 
 class Heights(NamedTuple):
-    """Heights of the voxels of a column, and the numbers of voxels that decide its cost."""
+    """Heights of the voxels of a column, and the thresholds that determine its cost."""
 
     origin_z: float  #: m, of the lowest voxel's lower face
     z_resolution: float  #: m
@@ -39,7 +39,7 @@ class Heights(NamedTuple):
 
 @jit
 def _count(bits: int) -> int:
-    """Return how many of the lowest 16 bits are set."""
+    """Return the number of set bits among the lowest 16."""
     n = 0
     for k in range(16):
         n += (bits >> k) & 1
@@ -51,7 +51,7 @@ def mark_columns(
     points: Float64Array, sensor: Float64Array, frame: Frame, marking: Marking, heights: Heights, columns: Columns,
     costs: UInt8Array, box: Int64Array,
 ) -> None:  # fmt: skip
-    """Mark the voxels of those of ``points`` (n, 3) that mark; columns with enough of them become lethal (254)."""
+    """Mark the voxels of those ``points`` (n, 3) that mark; columns with enough marked voxels become lethal (254)."""
     rows, cols = costs.shape
     for i in range(points.shape[0]):
         if not _marks(points[i], sensor, marking):
@@ -69,7 +69,7 @@ def mark_columns(
 
 @jit
 def _clear_voxel(row: int, col: int, level: int, heights: Heights, columns: Columns, costs: UInt8Array) -> None:
-    """Clear a voxel; the column's cost follows unless it still has enough marked voxels."""
+    """Clear a voxel and update the column's cost, unless it still has enough marked voxels."""
     bits = int(np.int64(columns[row, col])) & ~(0x10001 << level)
     columns[row, col] = np.uint32(bits)
     if _count(bits >> 16) <= heights.mark_threshold:
@@ -124,11 +124,11 @@ def clear_columns(
     points: Float64Array, sensor: Float64Array, frame: Frame, least: int, most: int, heights: Heights,
     columns: Columns, costs: UInt8Array, box: Int64Array,
 ) -> None:  # fmt: skip
-    """Clear the voxels between the sensor (3,) and each of ``points`` (n, 3), as far as two cells before the point.
+    """Clear the voxels between the sensor (3,) and each of ``points`` (n, 3), up to two cells before the point.
 
-    A beam ends at the border of the grid, at its floor and at its top. ``least`` and ``most`` are the clearing ranges
-    in cells. Nothing is cleared where the sensor is outside the grid or its heights. ``box`` (row0, row1, col0, col1)
-    is enlarged by the columns that were passed.
+    A beam is clipped at the border of the grid, its floor and its top. ``least`` and ``most`` are the clearing ranges
+    in cells. Nothing is cleared if the sensor is outside the grid or its heights. ``box`` (row0, row1, col0, col1) is
+    extended to the columns passed.
     """
     rows, cols = costs.shape
     top = float(heights.z_voxels)

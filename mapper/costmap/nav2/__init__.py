@@ -1,1 +1,1 @@
-"""Parameter files of Nav2's costmaps: what they describe, their filters, reading and writing."""
+"""Parameter files of Nav2's costmaps: description, filters, reading and writing."""

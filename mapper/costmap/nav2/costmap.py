@@ -1,4 +1,4 @@
-"""A costmap as a Nav2 parameter file describes it."""
+"""Costmap as described by a Nav2 parameter file."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ PLUGINS: Mapping[str, tuple[type[PluginConfig], tuple[Parameter, ...]]] = {
 OF_STATIC = (
     "trinary_costmap", "lethal_cost_threshold", "inscribed_obstacle_cost_value", "unknown_cost_value", "use_maximum",
 )  # fmt: skip
-#: Parameters that a source of observations has, and not its layer.
+#: Parameters of an observation source that its layer does not have.
 OF_SOURCE = frozenset(row.name for row in SOURCE_PARAMETERS) - {"min_obstacle_height", "max_obstacle_height"}
-CONTAINER = "PluginContainerLayer"  #: the plugin that holds layers
+CONTAINER = "PluginContainerLayer"  #: the plugin that contains layers
 
 
 @dataclass(frozen=True, slots=True)
 class ContainerConfig:
-    """Parameters of a PluginContainerLayer: ``inner`` has its layers and filters, and the whole costmap's parameters.
+    """Parameters of a PluginContainerLayer; ``inner`` has its layers, filters, and the whole costmap's parameters.
 
-    ``combination_method`` is how what they make together is laid over the layers before.
+    ``combination_method`` is how their combined costs are applied to the layers before.
     """
 
     inner: Nav2Costmap
@@ -75,7 +75,7 @@ class ContainerConfig:
 
 @dataclass(frozen=True, slots=True)
 class NamedLayer:
-    """A layer of a parameter file: its name there, and its parameters."""
+    """A layer of a parameter file: its name and its parameters."""
 
     name: str
     config: LayerConfig
@@ -83,9 +83,9 @@ class NamedLayer:
 
 @dataclass(frozen=True, slots=True)
 class SkippedLayer:
-    """A layer of a parameter file that is not built here: its ``block`` there, and how many layers lie ``below`` it.
+    """A layer of a parameter file that is not supported: its ``block``, and the number of layers ``below`` it.
 
-    ``below`` is None for a filter of the list of filters.
+    ``below`` is None for an entry of the filter list.
     """
 
     name: str
@@ -97,10 +97,11 @@ class SkippedLayer:
 class Nav2Costmap:
     """A costmap of a Nav2 parameter file.
 
-    ``layers`` are in the order of its plugins, bottom first. ``footprint`` is None for a robot given by its radius.
-    ``filters`` are its costmap filters. ``others`` are parameters that change no cost here, by their path below the
-    node, which :func:`nav2_yaml` writes again: (name,) of the costmap, (layer, name), (layer, source, name). So are the
-    ``skipped`` layers. ``notes`` are sentences on what is understood otherwise than it stands there, or warned of.
+    ``layers`` are in the order of its plugins, bottom first. ``footprint`` is None for a robot defined by its radius.
+    ``filters`` are its costmap filters. ``others`` are parameters that do not affect the costs here, by their path
+    below the node: (name,) of the costmap, (layer, name), (layer, source, name). :func:`nav2_yaml` writes them again,
+    and also the ``skipped`` layers. ``notes`` are sentences on values that are interpreted differently, or that Nav2
+    warns of.
     """
 
     node: str
@@ -114,7 +115,7 @@ class Nav2Costmap:
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """The names of the parameters that change no cost here."""
+        """The names of the parameters that do not affect the costs here."""
         own = tuple(".".join((self.node, *path)) for path in self.others)
         return own + tuple(name for container in self.containers for name in container.inner.unused)
 
@@ -124,7 +125,7 @@ class Nav2Costmap:
         return tuple(layer.config for layer in self.layers if isinstance(layer.config, ContainerConfig))
 
     def all_layers(self) -> Iterator[NamedLayer]:
-        """Yield its layers, each container before those in it, by their names below the first node."""
+        """Yield its layers by their names below the first node, each container before its layers."""
         for layer in self.layers:
             yield layer
             if isinstance(layer.config, ContainerConfig):

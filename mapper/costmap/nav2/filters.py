@@ -23,9 +23,9 @@ _DEFAULT_TOPIC = "/costmap_filter_info"
 class NamedFilter:
     """A filter of a parameter file.
 
-    ``kind`` is keepout, speed or binary; ``mask`` the file name of its mask, None where the file names none. ``type``,
-    ``base`` and ``multiplier`` are those of nav2_msgs/CostmapFilterInfo. ``below`` is how many layers lie below the
-    filter, None for a filter above all of them.
+    ``kind`` is keepout, speed or binary; ``mask`` is the file name of its mask, or None. ``type``, ``base`` and
+    ``multiplier`` are those of nav2_msgs/CostmapFilterInfo. ``below`` is the number of layers below the filter, None
+    for a filter above all of them.
     """
 
     name: str
@@ -39,21 +39,22 @@ class NamedFilter:
 
 
 def is_filter(block: object) -> bool:
-    """Return whether a block of parameters is that of a filter."""
+    """Return whether a block of parameters belongs to a filter."""
     return isinstance(block, dict) and kind_of(block) is not None
 
 
 def kind_of(block: Mapping[str, Any]) -> str | None:
-    """Return the kind of filter that a block's plugin names, or None."""
+    """Return the kind of filter of a block's plugin, or None."""
     return KINDS.get(str(block.get("plugin", "")).replace("/", "::").split("::")[-1])
 
 
 def named_filter(
     root: Mapping[str, Any], name: str, block: object, where: str, below: int | None, notes: list[str]
 ) -> NamedFilter:
-    """Return the filter ``name`` with what its servers say in a whole file's mapping ``root``; it adds to ``notes``.
+    """Return the filter ``name`` with the values of its servers in a whole file's mapping ``root``; append to
+    ``notes``.
 
-    Raises :class:`ConfigError` for a block that is no filter, and for impossible values of its servers.
+    Raises :class:`ConfigError` for a block that is not a filter, and for impossible values of its servers.
     """
     kind = kind_of(block) if isinstance(block, dict) else None
     if not isinstance(block, dict) or kind is None:
@@ -71,9 +72,9 @@ def named_filter(
 
 
 def filter_nodes(filter_: NamedFilter, label: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a filter's block of the costmap, and the nodes of its servers, as :func:`named_filter` reads them.
+    """Return a filter's block of the costmap, and the nodes of its servers, in the form read by :func:`named_filter`.
 
-    The names of the servers and their topics begin with ``label``.
+    The names of the servers and their topics are prefixed with ``label``.
     """
     info_topic = f"/{label}_info"
     block = {

@@ -1,4 +1,4 @@
-"""Read the parameters of a costmap as Nav2's yaml has them.
+"""Reading of costmap parameters from Nav2's yaml.
 
 Source: the Nav2 documentation, Costmap 2D, and the declarations of :mod:`mapper.io.nav2_declared`.
 """
@@ -52,35 +52,35 @@ from mapper.io.untrusted_yaml import load_untrusted
 
 NODES = ("global_costmap", "local_costmap")
 
-#: Names and types of Nav2's layers where a file has no list of them (default_plugins_ and default_types_ of
-#: costmap_2d_ros.cpp); the types also where its list is this one.
+#: Names and types of Nav2's default layers, used if a file has no list (default_plugins_ and default_types_ of
+#: costmap_2d_ros.cpp); the types also if its list is equal to the default one.
 DEFAULT_LAYERS = {"static_layer": "StaticLayer", "obstacle_layer": "ObstacleLayer", "inflation_layer": "InflationLayer"}
-#: Keys that name the parts of a file; they have an effect and are written again.
+#: Structural keys, which have an effect and are written again.
 _STRUCTURE = frozenset(("plugins", "filters", "plugin", "resolution", "plugin_names", "plugin_types"))
-#: Keys at the top of the files of ROS 1, and what is different in them.
+#: Top-level keys of ROS 1 files, and their differences.
 OF_ROS1 = frozenset((*NODES, "obstacle_range", "raytrace_range", "footprint", "robot_radius", "inflation_radius"))
 ROS1 = "whose nodes have their parameters directly: put them below ros__parameters, with a list of plugins"
-OF_NAV2 = ("nav2_costmap_2d", "gridbloom", "costmap_2d", "")  #: packages of the plugins that are built here
+OF_NAV2 = ("nav2_costmap_2d", "gridbloom", "costmap_2d", "")  #: packages of supported plugins
 MAX_LAYERS = 20
 LEAST_POINTS = 3  #: of a footprint
-#: Plugins that compute what another one does.
+#: Plugins that are equivalent to another one.
 SAME_AS = {"LegacyInflationLayer": "InflationLayer"}
 
 
 def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
-    """Return the costmap in a Nav2 parameter file: that of ``node``, or the global one, else the local one.
+    """Return the costmap in a Nav2 parameter file: that of ``node``, or else the global one, or else the local one.
 
-    A parameter that the file does not name has Nav2's default, as has the list of layers. What cannot act here (layers
-    that are not built, names that Nav2 does not declare) is left out with a note. Raises :class:`ReadError` for a file
-    without a costmap and :class:`ConfigError`, which names the parameter with its path, for an impossible value.
+    Missing parameters have Nav2's defaults, including the list of layers. Unsupported parts (layers that are not
+    implemented, names that Nav2 does not declare) are left out with a note. Raises :class:`ReadError` for a file
+    without a costmap and :class:`ConfigError`, naming the parameter with its path, for an impossible value.
     """
     return costmap_of(parse_ros_parameters(data), node)
 
 
 def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
-    """Return the costmap in what :func:`mapper.io.ros_parameters.parse_ros_parameters` returned for a file.
+    """Return the costmap in the result of :func:`mapper.io.ros_parameters.parse_ros_parameters` for a file.
 
-    As :func:`parse_nav2_costmap`, for who reads more than the costmap from the file.
+    Like :func:`parse_nav2_costmap`, for callers that read more than the costmap from the file.
     """
     block = find_node(root, (node,) if node else NODES, COSTMAP)
     if block is None:
@@ -102,7 +102,7 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
 
 
 def _keys(parameters: Mapping[Any, Any]) -> Iterator[str]:
-    """Yield the keys of a mapping and of those in it."""
+    """Yield the keys of a mapping and, recursively, of its values."""
     for key, value in parameters.items():
         yield str(key)[:40]
         if isinstance(value, dict):
@@ -110,7 +110,7 @@ def _keys(parameters: Mapping[Any, Any]) -> Iterator[str]:
 
 
 class _Reader:
-    """Reads the parameters ``given`` of one node, or of a container; ``notes`` and ``others`` are what it finds."""
+    """Reads the parameters ``given`` of one node or container; the results are also in ``notes`` and ``others``."""
 
     def __init__(
         self, root: Mapping[str, Any], node: str, given: Mapping[str, Any], *, in_container: bool = False
@@ -126,14 +126,14 @@ class _Reader:
         blocks = {name: self._block(name, own.pop(name, None)) for name in names}
         of_filters = {name: own.pop(name, None) for name in _names(own, "filters", self.node) if name not in blocks}
         footprint = _footprint(own.pop("footprint", None), self.node, self.notes)
-        if own.get("unknown_cost_value") == -1:  # of costmap_2d, ROS 1; an unsigned byte in Nav2
+        if own.get("unknown_cost_value") == -1:  # from ROS 1's costmap_2d; it is an unsigned byte in Nav2
             own["unknown_cost_value"] = 255
         of_static = {
             row.name: checked(row, own.pop(row.name), f"{self.node}.{row.name}", self.notes)
             for row in STATIC_PARAMETERS
             if row.name in OF_STATIC and row.name in own
         }
-        # Nav2 knows layers by the list alone: other blocks are of layers, or of sources, that are not in use.
+        # Nav2 uses only the layers in its list. Other blocks are layers or sources that are not in use.
         self.others.update(
             {(key,): own.pop(key) for key in [key for key, value in own.items() if isinstance(value, dict)]}
         )
@@ -157,7 +157,7 @@ class _Reader:
     def _stack(
         self, blocks: Mapping[str, dict[str, Any]], general: CostmapConfig, of_static: Mapping[str, Any]
     ) -> Nav2Costmap:
-        """Return the layers and filters of a list of plugins, each with its block of parameters."""
+        """Return the layers and filters of a plugin list, each with its parameter block."""
         layers: list[NamedLayer] = []
         filters: list[NamedFilter] = []
         last_inflation = [name for name, block in blocks.items() if _kind(block) == "InflationLayer"][-1:]
@@ -195,7 +195,7 @@ class _Reader:
         return names
 
     def _block(self, name: str, value: object) -> dict[str, Any]:
-        """Return a layer's parameters with its plugin. Raises :class:`ConfigError` where nothing says what it is."""
+        """Return a layer's parameters with its plugin. Raises :class:`ConfigError` if its type is not stated."""
         where = f"{self.node}.{name}"
         if value is not None and not isinstance(value, dict):
             raise ConfigError("nav2.plugin", f"{where}: A layer has parameters, not {value!r:.40}.")
@@ -246,13 +246,13 @@ class _Reader:
                 f"{'.'.join(path)}: {block['plugin']!r:.80} is another package’s; it is built as Nav2’s {kind}."
             )
         if config is StaticConfig:
-            # Nav2's static layer asks the costmap for them, not itself.
+            # Nav2's static layer reads them from the costmap, not from its own block.
             self.notes += [undeclared(".".join(path), name, LAYERS[kind]) for name in OF_STATIC if name in values]
             values = {name: value for name, value in values.items() if name not in OF_STATIC}
         if issubclass(config, ObstacleConfig):
             sources = self._of_sources(self._sources(values, path), path)
             _name_combination(values, ".".join(path))
-            # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
+            # Nav2's default for a source: it marks, and clears only if the file says so.
             start: Any = config(sources=sources, clearing=False)
             table = tuple(row for row in table if row.name not in OF_SOURCE)
         else:
@@ -261,7 +261,7 @@ class _Reader:
         return made
 
     def _sources(self, values: dict[str, Any], path: tuple[str, str]) -> list[tuple[str, dict[str, Any]]]:
-        """Return the sources of observations with their parameters, taken out of those of their layer."""
+        """Remove the observation sources from their layer's parameters and return them."""
         where = ".".join(path)
         sources = values.pop("observation_sources", "")
         if not isinstance(sources, str):
@@ -280,7 +280,7 @@ class _Reader:
         return blocks
 
     def _renamed(self, block: Mapping[str, Any], where: str) -> dict[str, Any]:
-        """Return the parameters with the present names of those that had another one."""
+        """Return the parameters with old names replaced by the current ones."""
         renamed = {**block}
         for old in [name for name in block if name in RENAMED]:
             new, release = RENAMED[old]
@@ -293,7 +293,7 @@ class _Reader:
         return renamed
 
     def _of_sources(self, blocks: list[tuple[str, dict[str, Any]]], path: tuple[str, str]) -> tuple[NamedSource, ...]:
-        """Return the sources of observations of a layer, each with its own parameters."""
+        """Return the observation sources of a layer, each with its own parameters."""
         where = ".".join(path)
         sources = []
         for source, block in blocks:
@@ -334,7 +334,7 @@ class _Reader:
                 self.others[*path[1:], key] = value
                 if key in WHOLE:
                     self.notes += wrong_type(value, f"{where}.{key}", is_whole=True)
-                # A block in a layer is that of a source of observations that is not in use.
+                # A block in a layer is an observation source that is not in use.
                 if key not in declared and key not in NODE and not isinstance(value, dict):
                     self.notes.append(undeclared(where, key, {*declared, *rows}))
         return replace(config, **values)
@@ -345,13 +345,13 @@ def _package(block: Mapping[str, Any]) -> str:
 
 
 def _kind(block: Mapping[str, Any]) -> str:
-    """Return the class of a layer's plugin, or the one that it is the same as, without its package."""
+    """Return the class of a layer's plugin, or its equivalent, without the package."""
     kind = str(block["plugin"]).replace("/", "::").split("::")[-1]
     return SAME_AS.get(kind, kind)
 
 
 def _name_combination(values: dict[str, Any], where: str) -> None:
-    """Put the name of a combination method in place of its number. Raises :class:`ConfigError`."""
+    """Replace the number of a combination method by its name. Raises :class:`ConfigError`."""
     method = values.pop("combination_method", None)
     if method is None:
         return
@@ -361,7 +361,7 @@ def _name_combination(values: dict[str, Any], where: str) -> None:
 
 
 def _warnings(costmap: Nav2Costmap) -> list[str]:
-    """Return sentences on what Nav2 warns of, on layers that see nothing, and on a costmap without the map."""
+    """Return warnings as given by Nav2, on layers without observations, and on a costmap without the map."""
     warnings = []
     radius = costmap.outline.inscribed_radius
     layers = [*costmap.all_layers()]
@@ -388,14 +388,14 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
 def _names(parameters: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
     names = [
         name for name in names_of(parameters.get(key, []), f"{where}.{key}") if name
-    ]  # [""] is how ROS 2 writes an empty list of names
+    ]  # [""] is an empty list of names in ROS 2
     if len(names) > MAX_LAYERS or len(set(names)) < len(names):
         raise ConfigError("nav2.plugins", f"{where}.{key} must be at most {MAX_LAYERS} different names.")
     return tuple(names)
 
 
 def _footprint(value: object, where: str, notes: list[str]) -> Footprint | None:
-    """Return the footprint; None where there is none, or a text that Nav2 takes for none, which has a note.
+    """Return the footprint; None if there is none, or for a text that Nav2 rejects, with a note.
 
     Source: Costmap2DROS::getParameters and makeFootprintFromString of nav2_costmap_2d.
     """
@@ -435,7 +435,7 @@ def _footprint(value: object, where: str, notes: list[str]) -> Footprint | None:
 
 
 def _points_of(text: str) -> list[Any] | None:
-    """Return the points of a footprint's text; None for fewer than three, and for what is no list of pairs."""
+    """Return the points of a footprint's text; None for fewer than three, and for text that is not a list of pairs."""
     try:
         points = load_untrusted(text[:10_000])
     except yaml.YAMLError:

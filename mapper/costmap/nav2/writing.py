@@ -1,4 +1,4 @@
-"""Write the parameters of a costmap as Nav2's yaml has them."""
+"""Writing of costmap parameters in Nav2's yaml."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _OWN = frozenset(("DecayLayer", "TerrainLayer"))  #: layers that Nav2 does not h
 
 
 def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
-    """Return a parameter file with a costmap, ``resolution`` in m per cell.
+    """Return a parameter file with a costmap; ``resolution`` is in m per cell.
 
-    :func:`mapper.costmap.nav2.reading.parse_nav2_costmap` reads it.
+    It can be read by :func:`mapper.costmap.nav2.reading.parse_nav2_costmap`.
     """
     general: dict[str, Any] = _below(costmap.others, ()) | {
         "resolution": resolution,
@@ -36,10 +36,10 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
 
 
 def _stack(costmap: Nav2Costmap, within: str = "") -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """Return the lists of layers and filters with their blocks, the nodes of filters' servers, and what is above all.
+    """Return the lists of layers and filters with their blocks, the nodes of filter servers, and global parameters.
 
-    The last are the parameters of the whole costmap that its static layers read. ``within`` is put before the names of
-    the servers.
+    The last are the parameters of the whole costmap that its static layers read. ``within`` is the prefix of the
+    servers' names.
     """
     blocks: dict[str, Any] = {}
     servers: dict[str, Any] = {}
@@ -85,7 +85,7 @@ def _below(others: Mapping[tuple[str, ...], Any], path: tuple[str, ...]) -> dict
 
 
 def _sources(others: Mapping[tuple[str, ...], Any], layer: str, config: ObstacleConfig) -> dict[str, Any]:
-    """Return the sources of observations of a layer: those of the file, or one of scans where it is of no file."""
+    """Return the observation sources of a layer: those of the file, or one for scans if it is not from a file."""
     sources = config.sources
     if sources is None:
         sources = (NamedSource("scan", config.source(None), "/scan"),)

@@ -1,4 +1,4 @@
-"""When the clock of a log was set: stamps that jump back, and stamps that jump ahead while the robot did not."""
+"""Clock steps of a log: stamps that jump back, and stamps that jump ahead while the robot's motion does not."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse
 from mapper.sensors.scan import ScanLog
 
-LEAST_BACK = 2.0  #: usual intervals: stamps that jump back by less are out of order, as where two threads write
+LEAST_BACK = 2.0  #: usual intervals: stamps that jump back by less are out of order, as with two writing threads
 LEAST_AHEAD_S = 0.5  #: seconds, and five usual intervals
 AHEAD = 5.0
-AROUND = 5  #: steps before and after, whose speed is compared
-LEAST_SPEED = 0.05  #: m/s, a radian counting 0.3 m: a robot that stands does not tell how long it stood
-SAME_SPEED = 2.0  #: the factor within which the speeds before and after must agree
-REGULAR = 0.8  #: share of the intervals within a quarter of the usual one: of a log that is recorded by time
-SHORT = 0.3  #: share of the way at that speed, below which the time did not pass
-MARGIN_S = 0.3  #: seconds beside times that come twice: of the poses between which those at the scans lie
+AROUND = 5  #: steps before and after whose speeds are compared
+LEAST_SPEED = 0.05  #: m/s, a radian counting as 0.3 m: a robot at rest does not tell how long it rested
+SAME_SPEED = 2.0  #: maximum ratio of the speeds before and after
+REGULAR = 0.8  #: fraction of the intervals within a quarter of the usual one in a log recorded by time
+SHORT = 0.3  #: fraction of the path expected at that speed, below which the time did not pass
+MARGIN_S = 0.3  #: seconds around times that occur twice, in which poses may have been interpolated between either
 MOST = 20
 
 
@@ -32,17 +32,17 @@ class ClockStep:
 
 
 def usual_interval(log: ScanLog) -> float:
-    """Return the median time from scan to scan, seconds; 0 for a log without times."""
+    """Return the median scan interval, seconds; 0 for a log without times."""
     steps = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
 
 
 def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
-    """Return when the clock was set, in the order of the scans.
+    """Return the clock steps in scan order.
 
-    A jump back is one, if the stamps go on from there as usual. A jump ahead is one in a log that is recorded by time,
-    where the robot drove at about one speed before and after it and came no farther than it does in a usual interval:
-    else the recording has a gap, or the robot stood.
+    A jump back is a clock step if the stamps continue as usual afterwards. A jump ahead is one if the log is recorded
+    by time, the robot drove at a similar speed before and after it, and came no farther than in a usual interval.
+    Otherwise the recording has a gap, or the robot was at rest.
     """
     steps = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     forward = steps[steps > 0.0]
@@ -57,7 +57,7 @@ def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
     clock_changes = []
     for k in np.flatnonzero(steps < -LEAST_BACK * usual).tolist():
         after = steps[k + 1 : k + 1 + AROUND]
-        if len(after) and (after > 0.0).all():  # else stamps are out of order, and no clock was set
+        if len(after) and (after > 0.0).all():  # otherwise stamps are out of order, and no clock was set
             clock_changes.append(ClockStep(k, float(steps[k]) - usual))
     is_regular = float(np.mean(np.abs(steps / usual - 1.0) < 0.25)) > REGULAR
     if driven is not None and is_regular:
@@ -69,9 +69,9 @@ def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
 
 
 def near_clock_steps(log: ScanLog, steps: list[ClockStep]) -> NDArray[np.bool_]:
-    """Return for the step from each scan to the next, (n - 1,), whether the clock leaves open when it was.
+    """Return for the step from each scan to the next, (n - 1,), whether its time is ambiguous because of a clock step.
 
-    After a jump back some times come twice, and the poses at them may be those of either time.
+    After a jump back some times occur twice, and the poses at them may belong to either.
     """
     stamps = log.stamps_ns.astype(np.float64) * 1e-9
     near = np.zeros(max(0, log.n_scans - 1), dtype=np.bool_)
@@ -86,7 +86,7 @@ def near_clock_steps(log: ScanLog, steps: list[ClockStep]) -> NDArray[np.bool_]:
 
 
 def _did_not_pass(steps: Float64Array, driven: Float64Array, usual: float, k: int) -> bool:
-    """Return whether the robot, which drove on at one speed, came no farther in the step than in a usual one."""
+    """Return whether the robot, driving at constant speed, came no farther in the step than in a usual one."""
     around = [slice(max(0, k - AROUND), k), slice(k + 1, k + 1 + AROUND)]
     speeds = []
     for part in around:
@@ -96,5 +96,5 @@ def _did_not_pass(steps: Float64Array, driven: Float64Array, usual: float, k: in
     slow, fast = sorted(speeds)
     if slow < LEAST_SPEED or fast > SAME_SPEED * slow:
         return False
-    # Whether the poses were stamped by the same clock: then the way of this step is that of a usual interval.
+    # If the poses were stamped by the same clock, the path of this step is that of a usual interval.
     return bool(driven[k] <= max(SHORT * slow * steps[k], SAME_SPEED * fast * usual)) and slow * steps[k] > 0.1

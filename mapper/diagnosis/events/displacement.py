@@ -1,8 +1,8 @@
-"""Find when the scans and the wheels disagree on the motion at once, rather than little by little.
+"""Detection of sudden differences between the motions by scans and by wheels, as opposed to gradual ones.
 
-The difference of the two motions is summed over windows of many lengths. What wheels do wrong all the time (a scale,
-a turn, a mount that is off) is taken out by a linear fit, and what is left is compared with what is usual in windows of
-that length and that motion in the same log, so that the worse the wheels are, the greater an event has to be.
+The difference of the two motions is summed over windows of many lengths. Systematic wheel errors (scale, rotation,
+mount offset) are removed by a linear fit. The rest is compared with the usual difference in windows of the same length
+and motion in the same log, so that the threshold grows with the errors of the wheels.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from mapper.diagnosis.events.motions import WITHIN, Loss, Motions
 
 WINDOWS = (1, 2, 3, 5, 8, 12, 18, 27, 40, 60, 90)  #: steps
 LONGEST_S = 10.0  #: of a window of several steps
-LEAST_M, LEAST_RAD = 0.08, math.radians(5.0)  #: of an event; less is no matter for a map of 5 cm cells
-SHARE = 0.2  #: of the motion in the window, by whichever of the two is less, that is added to these
-USUAL = 8.0  #: times what is usual: the errors of wheels have longer tails than a normal distribution
-NOISE_M, NOISE_RAD = 0.005, math.radians(0.3)  #: of an alignment: no wheels are taken to be better
-TURN_M = 0.3  #: metres of way that a turn by one radian counts
-STILL_M = 0.1  #: metres of way that are added, so that noise counts where a robot stands
+LEAST_M, LEAST_RAD = 0.08, math.radians(5.0)  #: minimum size of an event; smaller ones do not matter for 5 cm cells
+SHARE = 0.2  #: fraction of the smaller of the two motions in the window that is added to these
+USUAL = 8.0  #: times the usual difference: wheel errors have longer tails than a normal distribution
+NOISE_M, NOISE_RAD = 0.005, math.radians(0.3)  #: of an alignment, the minimum assumed wheel error
+TURN_M = 0.3  #: metres of path per radian of turn
+STILL_M = 0.1  #: metres of path added, so that noise counts when the robot is at rest
 MOST_EVENTS = 50
-ALONG = 0.4  #: share of the mean step of a displacement from which the steps beside it belong to it
-STAYS = 0.5  #: share of the displacement by which it may change in the window around: an error of one scan is undone
+ALONG = 0.4  #: fraction of the mean step of a displacement above which adjacent steps belong to it
+STAYS = 0.5  #: fraction by which it may change in the surrounding window: an error of one scan is undone
 AROUND_STEPS = 3
 FIT_PASSES = 8
 _LEVER = np.array([1.0, 1.0, LEAST_M / LEAST_RAD])
@@ -35,11 +35,12 @@ _LEVER = np.array([1.0, 1.0, LEAST_M / LEAST_RAD])
 
 @dataclass(frozen=True, slots=True)
 class Displacement:
-    """A sudden difference: scans ``before`` and ``after`` it (indices into the motions), begin and end in seconds.
+    """A sudden difference between scans ``before`` and ``after`` (indices into the motions), with start and end in
+    seconds.
 
-    ``moved`` (3,) is the motion by the scans less that by the wheels, in the frame of the robot; ``by_wheels`` and
-    ``by_scans`` (3,) the two sums over the window. ``lost`` says that scans in between fitted nothing; ``moved`` may be
-    None then.
+    ``moved`` (3,) is the motion by the scans minus that by the wheels, in the robot's frame; ``by_wheels`` and
+    ``by_scans`` (3,) are the two sums over the window. ``lost`` means that scans in between could not be aligned;
+    ``moved`` may then be None.
     """
 
     before: int
@@ -53,12 +54,12 @@ class Displacement:
 
 
 def displacements(motions: Motions, untold: NDArray[np.bool_]) -> list[Displacement]:
-    """Return the sudden differences in their order, without those in steps that are ``untold`` (n - 1,)."""
+    """Return the sudden differences in order, except those in steps that are ``untold`` (n - 1,)."""
     if len(motions.by_wheels) < 2 * AROUND_STEPS:
         return []
     rest = _without_systematic(compose(inverse(motions.by_wheels), motions.by_scans), motions)
     rest[untold] = 0.0
-    for loss in motions.losses:  # what happened beside it belongs to it
+    for loss in motions.losses:  # adjacent differences belong to the loss
         rest[max(0, loss.before - WITHIN) : loss.after + WITHIN] = 0.0
     displaced = _windows(rest, motions)
     displaced += [displacement for loss in motions.losses if (displacement := _of_loss(loss, motions)) is not None]
@@ -66,15 +67,14 @@ def displacements(motions: Motions, untold: NDArray[np.bool_]) -> list[Displacem
 
 
 def _without_systematic(differences: Float64Array, motions: Motions) -> Float64Array:
-    """Return the differences (n, 3) less what depends linearly on the wheels' motion, by least absolute values.
+    """Return the differences (n, 3) minus their linear dependence on the wheels' motion, by least absolute deviations.
 
-    A scale, a turn and a mount depend on the motion, a delay between scans and wheels on its change.
-
-    Those are fitted by least squares with weights 1 / |residual|, again and again (Schlossmacher 1973).
+    Scale, rotation and mount errors depend on the motion, a delay between scans and wheels on its change. They are
+    fitted by iteratively reweighted least squares with weights 1 / |residual| (Schlossmacher 1973).
     """
     wheels = motions.by_wheels
     around = np.concatenate([wheels[:1], wheels, wheels[-1:]])
-    # Of the motion, to second order in its turn, and of its change.
+    # The motion, to second order in its rotation, and its change.
     terms = np.concatenate([wheels, wheels * wheels[:, 2:], around[2:] - around[:-2]], axis=1)
     rest = differences.copy()
     for column, least in enumerate((NOISE_M, NOISE_M, NOISE_RAD)):
@@ -87,19 +87,21 @@ def _without_systematic(differences: Float64Array, motions: Motions) -> Float64A
 
 
 def _sums(values: Float64Array, length: int) -> Float64Array:
-    """Return the sums of ``length`` values in turn, from each place on."""
+    """Return the sums of ``length`` consecutive values from each index on."""
     total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
     return np.asarray(total[length:] - total[:-length])
 
 
 def _ways(motion: Float64Array, length: int) -> tuple[Float64Array, Float64Array]:
-    """Return the way and the turn in each window."""
+    """Return the path length and the rotation in each window."""
     driven = np.hypot(motion[:, 0], motion[:, 1])
     return _sums(driven, length), _sums(np.abs(motion[:, 2]), length)
 
 
 def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
-    """Return the displacements of windows, the clearest first taken; those that overlap one are part of it."""
+    """Return the displacements of windows, selected in order of clarity; overlapping windows are part of a selected
+    one.
+    """
     steps = np.diff(motions.seconds)
     usual_s = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     candidates: list[tuple[float, int, int]] = []
@@ -124,7 +126,7 @@ def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
 
 
 def _excess(rest: Float64Array, motions: Motions, length: int) -> Float64Array:
-    """Return by what factor the difference in each window exceeds what an event needs to have."""
+    """Return the ratio of the difference in each window to the threshold of an event."""
     sums = _sums(rest, length)
     (driven, turn), (scan_way, scan_turn) = _ways(motions.by_wheels, length), _ways(motions.by_scans, length)
     spread = np.sqrt(driven + TURN_M * turn + STILL_M)
@@ -142,7 +144,7 @@ def _excess(rest: Float64Array, motions: Motions, length: int) -> Float64Array:
 
 
 def _stays(rest: Float64Array, first: int, stop: int) -> bool:
-    """Return whether a displacement is still there some steps later, and was not there some steps before."""
+    """Return whether a displacement persists some steps later, and was absent some steps before."""
     around = rest[max(0, first - AROUND_STEPS) : stop + AROUND_STEPS].sum(axis=0)
     own = rest[first:stop].sum(axis=0)
     is_last = stop >= len(rest)
@@ -150,7 +152,7 @@ def _stays(rest: Float64Array, first: int, stop: int) -> bool:
 
 
 def _timed(rest: Float64Array, motions: Motions, first: int, stop: int) -> Displacement:
-    """Return the displacement of a window with the steps beside it that belong to it, from when to when it happened."""
+    """Return the displacement of a window including adjacent steps that belong to it, with start and end times."""
     own = rest[first:stop].sum(axis=0)
     along = (rest * _LEVER) @ (own * _LEVER / np.linalg.norm(own * _LEVER))
     least = ALONG * float(along[first:stop].mean())
@@ -169,7 +171,7 @@ def _timed(rest: Float64Array, motions: Motions, first: int, stop: int) -> Displ
 
 
 def _taken(along: Float64Array, motions: Motions, step: int, beside: int) -> float:
-    """Return how many seconds of a step at the border of a displacement it took, at the speed of the step beside it."""
+    """Return how many seconds of a step at the border of a displacement it took, at the speed of the adjacent step."""
     seconds = np.diff(motions.seconds)
     own = float(seconds[step])
     if not 0 <= beside < len(along) or seconds[beside] <= 0.0:
@@ -179,7 +181,7 @@ def _taken(along: Float64Array, motions: Motions, step: int, beside: int) -> flo
 
 
 def _of_loss(loss: Loss, motions: Motions) -> Displacement | None:
-    """Return what happened while scans fitted nothing; None where the robot was where the wheels say it is."""
+    """Return the displacement during a loss of alignment; None if the robot is where the wheels predict."""
     begin, end = motions.seconds[loss.before], motions.seconds[loss.after]
     steps = motions.by_wheels[loss.before : loss.after]
     wheels = np.zeros(3)
@@ -188,7 +190,7 @@ def _of_loss(loss: Loss, motions: Motions) -> Displacement | None:
     if loss.moved is None:
         return Displacement(loss.before, loss.after, begin, end, None, wheels, wheels, lost=True)
     off = compose(inverse(wheels), loss.moved)
-    off[:2] = loss.moved[:2] - wheels[:2]  # in the frame of the robot as it was before
+    off[:2] = loss.moved[:2] - wheels[:2]  # in the robot's frame before the loss
     driven = min(float(np.hypot(steps[:, 0], steps[:, 1]).sum()), math.hypot(loss.moved[0], loss.moved[1]))
     turn = min(float(np.abs(steps[:, 2]).sum()), abs(float(loss.moved[2])))
     is_far = math.hypot(off[0], off[1]) > 2.0 * LEAST_M + SHARE * driven

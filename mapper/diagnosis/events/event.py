@@ -1,4 +1,4 @@
-"""One event of a log: what happened, when, how far and in which direction of the robot."""
+"""One event of a log: kind, time, size, and direction relative to the robot."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from typing import Any
 from mapper.core.time_units import EPOCH_S
 
 PUSHED, SLIPPED, LIFTED, CLOCK, GAP = "pushed", "slipped", "lifted", "clock", "gap"
-DISPLACED = (PUSHED, SLIPPED, LIFTED)  #: kinds of events that moved the robot as its wheels did not measure
+DISPLACED = (PUSHED, SLIPPED, LIFTED)  #: kinds of events in which the robot moved other than its wheels measured
 KINDS = (*DISPLACED, CLOCK, GAP)
 
-SMALL_SHARE = 0.4  #: of the greater component of a displacement, below which the smaller one is not told
+SMALL_SHARE = 0.4  #: of the larger component of a displacement, below which the smaller one is not mentioned
 LEAST_M, LEAST_RAD = 0.05, math.radians(4.0)  #: smaller displacements and turns are not stated
-LONG_S = 1.0  #: an event that lasts longer is told with its end
+LONG_S = 1.0  #: a longer event is described with its end
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened to the robot, its clock or its recorder while the log was recorded.
+    """An event of the robot, its clock or its recorder during the recording.
 
-    ``kind`` is one of :data:`KINDS`. ``seconds`` and ``until_s`` are its begin and end in recorded time, seconds since
-    the log's first scan, as :func:`mapper.io.logs.summary.recorded_seconds`; ``stamp_ns`` is the begin on the log's
+    ``kind`` is one of :data:`KINDS`. ``seconds`` and ``until_s`` are its start and end in recorded time, seconds since
+    the log's first scan, see :func:`mapper.io.logs.summary.recorded_seconds`; ``stamp_ns`` is the start on the log's
     clock, None for a log without times. ``scan`` is the last scan before it, ``until_scan`` the first one after it.
-    ``ahead_m``, ``left_m`` and ``turned_rad`` are the robot's motion by the scans less that by the wheels, in the
-    robot's own frame at the time (REP 103): of a push where the robot was moved to, of a slip what the wheels
-    measured too much, with the opposite sign. None where the scans do not tell. ``step_s`` is by how much the clock
-    was set, seconds, and 0 for what is no event of the clock. ``moved_m`` is how far the robot came meanwhile by its
-    poses, metres, straight; of a gap of the recording only, and None where no poses tell it.
+    ``ahead_m``, ``left_m`` and ``turned_rad`` are the robot's motion by the scans minus that by the wheels, in the
+    robot's frame at the time (REP 103): for a push the robot's displacement, for a slip the negative of the wheels'
+    excess motion. None if the scans do not determine it. ``step_s`` is the clock step in seconds, 0 for other events.
+    ``moved_m`` is the straight-line distance the robot moved meanwhile according to its poses, metres, for gaps of the
+    recording only; None without poses.
     """
 
     kind: str
@@ -46,14 +46,14 @@ class Event:
 
     @property
     def distance_m(self) -> float | None:
-        """How far the robot was displaced, metres."""
+        """Distance by which the robot was displaced, metres."""
         if self.ahead_m is None or self.left_m is None:
             return None
         return math.hypot(self.ahead_m, self.left_m)
 
     @property
     def direction(self) -> str | None:
-        """The side of the robot to which it was displaced: ahead, behind, left or right; None for no displacement."""
+        """Side of the robot to which it was displaced: ahead, behind, left or right; None without displacement."""
         if self.ahead_m is None or self.left_m is None or math.hypot(self.ahead_m, self.left_m) < LEAST_M:
             return None
         if abs(self.ahead_m) >= abs(self.left_m):
@@ -62,12 +62,12 @@ class Event:
 
     @property
     def time(self) -> str:
-        """The begin in recorded time, m:ss.mmm."""
+        """The start in recorded time, m:ss.mmm."""
         return clock_time(self.seconds)
 
     @property
     def utc(self) -> str | None:
-        """The begin in UTC, ISO 8601 with milliseconds; None where the log's clock does not tell it."""
+        """The start in UTC, ISO 8601 with milliseconds; None if the log's clock does not provide it."""
         if self.stamp_ns is None or not EPOCH_S[0] < self.stamp_ns * 1e-9 < EPOCH_S[1]:
             return None
         begin = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=self.stamp_ns // 1000)
@@ -75,13 +75,13 @@ class Event:
 
     @property
     def sentence(self) -> str:
-        """What happened and when, as one sentence."""
+        """One sentence with the event and its time."""
         lasts = self.kind in (PUSHED, SLIPPED) and self.until_s - self.seconds > LONG_S
         return f"{f'From {self.time} to {clock_time(self.until_s)}' if lasts else f'At {self.time}'} {self.what}"
 
     @property
     def what(self) -> str:
-        """What happened, as the rest of a sentence that begins with its time."""
+        """The event as the rest of a sentence that starts with its time."""
         lasted = self.until_s - self.seconds
         if self.kind == CLOCK:
             return f"the clock was set {'back' if self.step_s < 0.0 else 'forward'} by {abs(self.step_s):.2f} s."
@@ -103,7 +103,7 @@ class Event:
         return (self.distance_m or 0.0) >= LEAST_M
 
     def _displacement(self, sign: float = 1.0) -> str:
-        """Return the displacement, or with a sign of −1 its opposite, in words."""
+        """Return the displacement, negated for a sign of −1, in words."""
         ahead, left, turn = (sign * (component or 0.0) for component in (self.ahead_m, self.left_m, self.turned_rad))
         parts = []
         greater = max(abs(ahead), abs(left))
@@ -119,7 +119,7 @@ class Event:
         return text
 
     def public(self) -> dict[str, Any]:
-        """Return the fields and what follows from them, for JSON: metres, radians and seconds to three places."""
+        """Return the fields and derived values for JSON: metres, radians and seconds with three decimals."""
 
         def rounded(value: float | None) -> float | None:
             return None if value is None else round(value, 3)
@@ -139,6 +139,6 @@ class Event:
 
 
 def clock_time(seconds: float) -> str:
-    """Return a time of a recording as m:ss.mmm."""
+    """Format a time of a recording as m:ss.mmm."""
     minutes, rest = divmod(round(seconds * 1000), 60_000)
     return f"{minutes}:{rest // 1000:02d}.{rest % 1000:03d}"

@@ -22,20 +22,20 @@ from mapper.sensors.joint_log import by_sensor, sensors_of
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.sparse_poses import sparse_turns
 
-LEAST_SCANS = 30  #: fewer do not tell what is usual
-LIFTED_SCANS, LIFTED_S = 3, 0.4  #: scans and seconds without a fit, from which the robot was lifted and not pushed
-LIFTED_M = 1.0  #: a robot that is displaced farther while its wheels stand was carried
-STOOD_M = 0.1  #: way of wheels that stand
-OPPOSITE = 0.8  #: cosine between the wheels' motion and what is taken off it by a slip
-BACK_M, BACK_RAD = 0.03, math.radians(2.0)  #: by which a robot whose wheels slip may seem to go the other way
-TURNED_ONLY = 0.05  #: metres: a displacement that is a turn only
+LEAST_SCANS = 30  #: fewer scans do not determine what is usual
+LIFTED_SCANS, LIFTED_S = 3, 0.4  #: scans and seconds without alignment above which the robot was lifted, not pushed
+LIFTED_M = 1.0  #: a robot displaced farther while its wheels are at rest was carried
+STOOD_M = 0.1  #: path length of wheels at rest
+OPPOSITE = 0.8  #: cosine between the wheels' motion and the motion removed by a slip
+BACK_M, BACK_RAD = 0.03, math.radians(2.0)  #: apparent reverse motion allowed for a robot whose wheels slip
+TURNED_ONLY = 0.05  #: metres: a smaller displacement is a rotation only
 
 
 def wheels_of(log: ScanLog) -> str | None:
-    """Return the trajectory that the robot measured by itself, whose motion scans are compared with; None for none.
+    """Return the robot's own odometry, whose motion is compared with that of the scans; None if there is none.
 
-    That is the first in a frame ``odom`` (REP 105). Poses in other frames may have been found by means of the scans,
-    and poses that never change measure nothing.
+    It is the first trajectory in a frame ``odom`` (REP 105). Poses in other frames may have been estimated from the
+    scans, and poses that never change are no measurement.
     """
     for name, trajectory in log.trajectories.items():
         moves = not trajectory.is_placeholder and len(trajectory.poses) and np.ptp(trajectory.poses, axis=0).any()
@@ -49,12 +49,11 @@ def find_events(
     may_continue: Callable[[], bool] = lambda: True,
     progress: Callable[[float], None] | None = None,
 ) -> list[Event]:
-    """Return the events of a log in the order of their times; of several sensors by the first lidar.
+    """Return the events of a log in time order; with several sensors, those by the first lidar.
 
-    A log without times has none. How far the robot came in a gap is told by its wheels, or by the log's default
-    trajectory. Pushes, slips and lifts need a lidar, at least :data:`LEAST_SCANS` scans, and the robot's own
-    measurement of its motion (:func:`wheels_of`), not interpolated in a turn there. Raises
-    :class:`WorkCancelledError` where ``may_continue`` returns False.
+    A log without times has none. The motion during a gap comes from the wheels, or from the log's default trajectory.
+    Pushes, slips and lifts require a lidar, at least :data:`LEAST_SCANS` scans, and odometry (:func:`wheels_of`) that
+    is not interpolated in a turn. Raises :class:`WorkCancelledError` if ``may_continue`` returns False.
     """
     sensors = by_sensor(log)
     lidars = [sensor for sensor in sensors if _is_lidar(sensor[0])]
@@ -102,7 +101,9 @@ def find_events(
 
 
 def _interpolated_scans(log: ScanLog, wheels: str) -> NDArray[np.bool_]:
-    """Return of which scans (n_scans,) the wheels did not measure the turn, as their poses are far apart."""
+    """Return the scans (n_scans,) at which the turn was not measured by the wheels, because their poses are far
+    apart.
+    """
     found, is_so = sparse_turns(log, wheels), np.zeros(log.n_scans, dtype=np.bool_)
     if found is not None:
         is_so[found.scans] = True
@@ -121,7 +122,7 @@ def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
 
 
 def _of_gaps(log: ScanLog, wheels: str | None, set_at: set[int]) -> list[Event]:
-    """Return the gaps of the recording, but those behind the scans ``set_at``, where the clock was set."""
+    """Return the gaps of the recording, except those after the scans ``set_at``, where the clock was set."""
     driven = driven_ways(log, wheels)
     poses = log.trajectory(wheels).poses
     seconds = recorded_seconds(log)
@@ -136,9 +137,9 @@ def _of_gaps(log: ScanLog, wheels: str | None, set_at: set[int]) -> list[Event]:
 
 
 def _kind(displacement: Displacement) -> str | None:
-    """Return what happened: :data:`LIFTED`, :data:`SLIPPED` or :data:`PUSHED`; None for a loss that tells nothing.
+    """Return the kind: :data:`LIFTED`, :data:`SLIPPED` or :data:`PUSHED`; None for an inconclusive loss.
 
-    Wheels that slip turn while the robot moves less than they say, or stands, but not the other way.
+    Slipping wheels turn while the robot moves less than they indicate or is at rest, but not in the opposite direction.
     """
     wheels, scans, moved = displacement.by_wheels, displacement.by_scans, displacement.moved
     driven, turn = math.hypot(wheels[0], wheels[1]), float(wheels[2])
@@ -178,18 +179,18 @@ def _of_whole(log: ScanLog, sensor: ScanLog, numbers: NDArray[np.int64], event: 
     )  # fmt: skip
 
 
-SCANS = 8  #: before it and after it that are compared
-REACH_M = 30.0  #: of the readings that are compared
-FARTHEST_M = 0.3  #: from the nearest end of a beam before: what is farther was not seen then
+SCANS = 8  #: scans before and after it that are compared
+REACH_M = 30.0  #: range limit of the compared readings
+FARTHEST_M = 0.3  #: from the nearest end of a beam before: what is farther was not visible then
 MOST_BEAMS = 360  #: of each scan
 
 
 def is_contradicted(log: ScanLog, motions: Motions, displacement: Displacement) -> bool:
-    """Return whether what is seen after a displacement fits what was seen before it better without than with it.
+    """Return whether the scans after a displacement fit those before it better without than with it.
 
-    Of a robot that was displaced walls are double where the wheels have it; where only a scan was aligned wrongly, and
-    those after it with that one, they are double where the scans have it. All readings of :data:`SCANS` scans on both
-    sides count alike, so that somebody who covers many beams of some of them decides nothing.
+    If the robot was displaced, walls are double at the wheels' poses; if only a scan and its successors were
+    misaligned, they are double at the scans' poses. All readings of :data:`SCANS` scans on both sides have equal
+    weight, so that a person who blocks many beams of some scans has no influence.
     """
     from scipy.spatial import cKDTree  # noqa: PLC0415 - SciPy, which few logs need
 
@@ -199,7 +200,7 @@ def is_contradicted(log: ScanLog, motions: Motions, displacement: Displacement) 
     forth = _chained(motions.by_scans[displacement.after : last])
 
     def apart(steps: Float64Array) -> float:
-        """Return how far ends after the displacement are from those before it on average, metres."""
+        """Return the mean distance of endpoints after the displacement from those before it, metres."""
         begin = compose(back[-1], _chained(steps)[-1])
         ends = _ends(log, motions.scans[displacement.after : last + 1], compose(begin, forth))
         distances = seen.query(ends, distance_upper_bound=FARTHEST_M)[0]
@@ -210,7 +211,7 @@ def is_contradicted(log: ScanLog, motions: Motions, displacement: Displacement) 
 
 
 def _chained(steps: Float64Array) -> Float64Array:
-    """Return the poses (n + 1, 3) to which n motions (n, 3) lead one after another, from zero on."""
+    """Return the poses (n + 1, 3) reached by n successive motions (n, 3) from zero."""
     poses = np.zeros((len(steps) + 1, 3))
     for k, step in enumerate(steps):
         poses[k + 1] = compose(poses[k], step)
@@ -218,7 +219,7 @@ def _chained(steps: Float64Array) -> Float64Array:
 
 
 def _ends(log: ScanLog, scans: NDArray[np.int64], poses: Float64Array) -> Float64Array:
-    """Return where the measured beams of scans with the robot's ``poses`` (n, 3) end, (m, 2)."""
+    """Return the endpoints (m, 2) of the measured beams of scans with the robot's ``poses`` (n, 3)."""
     ends = [np.zeros((0, 2))]
     for number, pose in zip(scans.tolist(), poses, strict=True):
         scan = log.scan(number)

@@ -1,8 +1,7 @@
-"""The motion of the robot from scan to scan: by the wheels, and by the scans themselves.
+"""Motion of the robot between scans: by the wheels, and by scan alignment.
 
-The scans are aligned one after another with those shortly before them, by SLAM's front end, which begins at the motion
-that the wheels measured. Where a scan fits those before it nowhere near, the first scan after that fits again is looked
-for in a wide window around the last one before.
+Each scan is aligned with those shortly before it by SLAM's front end, starting from the motion measured by the wheels.
+If a scan cannot be aligned, the next scan that can is searched for in a wide window around the last aligned one.
 """
 
 from __future__ import annotations
@@ -28,24 +27,24 @@ from mapper.slam.front_end import FrontEnd
 from mapper.slam.odometry import motions
 from mapper.slam.scan_store import ScanStore, scans_of
 
-MOST_SCANS = 20_000  #: that are aligned; longer logs are thinned evenly, and their events timed less finely
-ASKED_EVERY = 100  #: scans between two questions whether the work is still wanted
-FITS = 0.4  #: agreement of an alignment below which it says nothing of the motion
-WITHIN = 5  #: steps from one that is lost to the next, up to which they are one loss: some scans fit by chance
-BESIDE = 2  #: scans beside a loss that are not used
-BEFORE = 5  #: scans that a scan after a loss is compared with
-WINDOW_M, WINDOW_RAD = 3.0, math.pi  #: in which it is looked for
-LEAST_SCORE = 0.55  #: of its place
-MOST_LOSSES = 40  #: that are looked at; a log with more of them is no log of one place
+MOST_SCANS = 20_000  #: aligned scans; longer logs are thinned evenly, with coarser event times
+ASKED_EVERY = 100  #: scans between two checks for cancellation
+FITS = 0.4  #: agreement below which an alignment is not usable
+WITHIN = 5  #: steps between losses that are merged into one, because some scans fit by chance
+BESIDE = 2  #: scans around a loss that are not used
+BEFORE = 5  #: scans before a loss with which a scan after it is compared
+WINDOW_M, WINDOW_RAD = 3.0, math.pi  #: window of that search
+LEAST_SCORE = 0.55  #: of its pose
+MOST_LOSSES = 40  #: losses examined; a log with more of them does not show one place
 SAME_PLACE_M, SAME_PLACE_RAD = 0.3, math.radians(10.0)
-CLEARLY = 0.08  #: by how much the score of the place must exceed that of any other
+CLEARLY = 0.08  #: minimum difference in score to any other pose
 
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Scans that fit nothing: ``before`` is the last one that does, ``after`` the first one that does again.
+    """Scans that cannot be aligned: ``before`` is the last aligned one, ``after`` the next one.
 
-    ``moved`` (3,) is the motion from the one to the other by the scans, None where they do not tell it.
+    ``moved`` (3,) is the motion between the two by the scans, None if undetermined.
     """
 
     before: int
@@ -55,10 +54,10 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Motions of the base from each of n scans to the next, (n − 1, 3), ``T_before_after``, metres and radians.
+    """Motions of the base between n consecutive scans, (n − 1, 3), ``T_before_after``, metres and radians.
 
-    ``scans`` (n,) are the numbers of the scans in the log, ``seconds`` (n,) their recorded time. Of steps within a
-    loss ``by_scans`` is that by the wheels.
+    ``scans`` (n,) are the indices of the scans in the log, ``seconds`` (n,) their recorded time. For steps within a
+    loss ``by_scans`` is the wheels' motion.
     """
 
     scans: NDArray[np.int64]
@@ -71,9 +70,9 @@ class Motions:
 def aligned_motions(
     log: ScanLog, wheels: str, may_continue: Callable[[], bool], progress: Callable[[float], None] | None = None
 ) -> Motions:
-    """Return the motions of a lidar's log along its trajectory ``wheels`` and by its scans.
+    """Return the motions of a lidar's log along its trajectory ``wheels`` and by scan alignment.
 
-    Raises :class:`WorkCancelledError` where ``may_continue`` returns False, and :class:`ConfigError` for a sonar.
+    Raises :class:`WorkCancelledError` if ``may_continue`` returns False, and :class:`ConfigError` for a sonar.
     """
     seconds = recorded_seconds(log)
     numbers = np.unique(np.linspace(0, log.n_scans - 1, min(log.n_scans, MOST_SCANS)).astype(np.int64))
@@ -107,7 +106,7 @@ def aligned_motions(
 
 
 def _runs(lost: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the scans before and after each run of steps that are lost, with the few steps between two of them."""
+    """Return the scans before and after each run of lost steps, merged over short interruptions."""
     steps = np.flatnonzero(lost)
     if not len(steps):
         return []
@@ -118,9 +117,11 @@ def _runs(lost: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def _found_again(log: ScanLog, before: int, after: int) -> Float64Array | None:
-    """Return the motion from scan ``before`` to ``after``, found in a wide window; None where no one place fits."""
+    """Return the motion from scan ``before`` to ``after``, searched in a wide window; None if there is no unique
+    pose.
+    """
     poses = log.trajectory().poses
-    # The last scan before and the first after may be of a robot that was tilted a little already, and fit by chance.
+    # The last scan before and the first after may be from a slightly tilted robot, and fit by chance.
     last = max(0, before - BESIDE)
     first, source = max(0, last - BEFORE + 1), min(after + BESIDE, log.n_scans - 1)
     near = np.arange(first, last + 1)

@@ -1,4 +1,4 @@
-"""Two maps of one lattice counted cell by cell, and the edges between wall and space in one of them."""
+"""Cell-by-cell counts for two maps on one lattice, and the edges between walls and free space of one map."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mapper.grid.kernels.map_statistics import SLOTS, _entropy, _slot
 
 @jit
 def _state(log_odds: float, free_below: float, occupied_above: float) -> int:
-    """Return 0 free, 1 occupied, 2 between, of an observed cell."""
+    """Return the state of an observed cell: 0 free, 1 occupied, 2 between."""
     if log_odds < free_below:
         return 0
     return 1 if log_odds > occupied_above else 2
@@ -32,20 +32,20 @@ def count_cells(
     seen: Int64Array,
     sums: Float64Array,
 ) -> None:
-    """Count the cells of a lattice that holds two maps, both (rows, cols) float32 with what was observed.
+    """Count the cells of a lattice that contains two maps, both (rows, cols) float32 with their observed flags.
 
-    ``place`` is (rows, cols) of the lattice, then the (row, col) of it at which the first map's cell (0, 0) lies, then
-    the second's; a cell that a map lacks counts as never observed and holds its prior, ``priors`` (2,). An observed
-    cell is free below and occupied above the log-odds ``thresholds`` (2,), unknown between; others are unknown.
+    ``place`` is (rows, cols) of the lattice, then the (row, col) in it of the first map's cell (0, 0), then the
+    second's. A cell outside a map counts as never observed and has the map's prior, ``priors`` (2,). An observed cell
+    is free below and occupied above the log-odds ``thresholds`` (2,), unknown between; others are unknown.
 
     Written: ``states`` (3, 3) by (state in a, state in b), each free, occupied, unknown; ``seen`` (5,): cells observed
-    in a only, in b only, in both, and row and column of the greatest |ℓ_b − ℓ_a| (−1 where none is observed in both);
-    ``sums`` (4,): the entropy in bits of a and of b over the cells that either observed, and sum and greatest of
-    |ℓ_b − ℓ_a| over those that both did.
+    in a only, in b only, in both, and row and column of the greatest |ℓ_b − ℓ_a| (−1 if none is observed in both);
+    ``sums`` (4,): the entropy in bits of a and of b over the cells that either observed, and the sum and maximum of
+    |ℓ_b − ℓ_a| over those that both observed.
     """
     keys = np.zeros(SLOTS, dtype=np.uint32)
     slots = np.zeros(SLOTS, dtype=np.float64)
-    slots[0] = _entropy(0.0)  # whose bits are all zero; every other key differs from what an empty place holds
+    slots[0] = _entropy(0.0)  # all bits of 0.0 are zero; every other key differs from an empty slot
     rows, cols = place[0], place[1]
     free_below, occupied_above = thresholds[0], thresholds[1]
     values = np.empty(2, dtype=np.float32)
@@ -61,7 +61,7 @@ def count_cells(
             seen_a = in_a and observed_a[row_a, col_a]
             seen_b = in_b and observed_b[row_b, col_b]
             if not (seen_a or seen_b):
-                continue  # counted below, as what is left
+                continue  # counted below as the remainder
             values[0] = log_odds_a[row_a, col_a] if in_a else priors[0]
             values[1] = log_odds_b[row_b, col_b] if in_b else priors[1]
             for i in range(2):
@@ -90,9 +90,9 @@ def count_cells(
 
 @jit
 def sum_edges(log_odds: Float32Array, observed: BoolArray, sums: Float64Array) -> int:
-    """Return how many edges lie between wall and space: neighbours, both observed, of which one has ℓ > 0 and one not.
+    """Return the number of edges between walls and space: observed neighbours of which one has ℓ > 0 and one does not.
 
-    ``log_odds`` and ``observed`` (rows, cols); ``sums[0]`` gets the sum of |Δp| over the edges.
+    ``log_odds`` and ``observed`` (rows, cols). ``sums[0]`` receives the sum of |Δp| over the edges.
     """
     rows, cols = log_odds.shape
     count = 0

@@ -1,7 +1,7 @@
-"""The one formula from map coordinates to the grid's lattice, written once for arrays and for compiled kernels.
+"""Conversion from map coordinates to the grid's lattice, shared by array code and compiled kernels.
 
-Plain Python that means the same on floats, on NumPy arrays and inside numba: :class:`mapper.grid.GridGeometry` calls
-these two with arrays, the kernels compile them for scalars, so both round alike to the last bit.
+The functions work the same on floats, NumPy arrays and inside numba: :class:`mapper.grid.GridGeometry` calls them with
+arrays, and the kernels compile them for scalars, so both round identically to the last bit.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Frame(NamedTuple):
-    """Placement of a lattice in the map: its corner, the direction of its columns' axis, and the side of a cell."""
+    """Pose of a lattice in the map: its corner, the direction of its columns' axis, and the side of a cell."""
 
     origin_x: float  #: m
     origin_y: float  #: m
@@ -28,7 +28,7 @@ def to_lattice(
 ) -> tuple[Any, Any]:
     """Return lattice coordinates (u along columns, v along rows), in cells, of the map point (x, y) in metres.
 
-    The lattice's axes are the map's turned by the origin's yaw; its unit is one cell.
+    The lattice's axes are the map's rotated by the origin's yaw; its unit is one cell.
     """
     dx = x - frame.origin_x
     dy = y - frame.origin_y
@@ -38,5 +38,5 @@ def to_lattice(
 
 
 def cell_of(coordinate: Any) -> Any:  # noqa: ANN401 - as above
-    """Return the row or column (a whole number, still a float) that holds a lattice coordinate: its floor."""
+    """Return the row or column (integral, but a float) that contains a lattice coordinate: its floor."""
     return np.floor(coordinate)

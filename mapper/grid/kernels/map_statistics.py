@@ -1,8 +1,8 @@
 """Counts and entropy sums of one map, in one pass over its cells.
 
-A map holds few distinct values. The pass counts how often each value occurs, in a table; entropy and state are computed
-once for each value, and again for one that another replaced in its slot: looking up an entropy costs a fraction of
-computing an exponential and a logarithm.
+A map has few distinct values. The pass counts how often each value occurs, in a hash table. Entropy and state are
+computed once per value, and again for values evicted from their slot, because a lookup costs a fraction of computing an
+exponential and a logarithm.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def _entropy(log_odds: float) -> float:
 
 @jit
 def _slot(bits: int) -> int:
-    """Return the slot, 0 … SLOTS − 1, of log-odds whose float32 representation is ``bits``, uint32; that of 0.0 is 0.
+    """Return the slot, 0 to SLOTS − 1, of log-odds with the float32 representation ``bits``, uint32; that of 0.0 is 0.
 
     Multiplicative hashing: the upper twelve of the product's lower 32 bits (Knuth, The Art of Computer Programming 3,
     section 6.4).
@@ -49,7 +49,7 @@ def _add_value(
     counts: Int64Array,
     sums: Float64Array,
 ) -> None:
-    """Add ``cells`` cells that hold ``log_odds``, NaN standing for ``unset``."""
+    """Add ``cells`` cells with the value ``log_odds``, NaN meaning ``unset``."""
     if isnan(log_odds):
         log_odds = unset
     counts[0] += cells
@@ -72,8 +72,8 @@ def sum_map(
 ) -> None:
     """Count the observed cells and sum their entropy.
 
-    ``log_odds`` (n,) of all cells, contiguous, NaN standing for ``unset``; ``observed`` (n,) 1 or 0. A cell is free
-    below and occupied above the two log-odds.
+    ``log_odds`` (n,) of all cells, contiguous, NaN meaning ``unset``; ``observed`` (n,) 1 or 0. A cell is free below
+    ``free_below`` and occupied above ``occupied_above``.
 
     Added to: ``counts`` (3,): cells observed, free, occupied; ``sums`` (1,): the entropy of the observed cells, bits.
     """
@@ -87,14 +87,14 @@ def sum_map(
     for eight in range(len(eights)):
         if eights[eight] == 0:
             continue
-        # Apart from the rest of the cells: eight turns, a number known to the compiler, take a quarter less time.
+        # A separate loop of eight iterations, a number known to the compiler, takes a quarter less time.
         for k in range(8):
             i = 8 * eight + k
             slot = _slot(bits[i])
             if keys[slot] != bits[i]:
                 _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)
                 keys[slot], cells[slot] = bits[i], 0
-            cells[slot] += observed[i]  # without a branch: a cell that is not observed adds nothing
+            cells[slot] += observed[i]  # without a branch: a cell that is not observed adds 0
     for i in range(whole, n):
         _add_value(float64(log_odds[i]), int(int64(observed[i])), unset, free_below, occupied_above, counts, sums)
     for slot in range(SLOTS):

@@ -1,4 +1,4 @@
-"""From log-odds to the int8 picture that goes over the wire, and which of its tiles and cells changed, tile by tile."""
+"""Conversion of log-odds to the int8 picture sent to clients, and lists of the changed tiles and cells."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy import int8, int16, int32, int64, uint16, uint32
 from mapper.core.array_types import BoolArray, Float32Array, Int8Array, Int16Array, UInt16Array, UInt32Array
 from mapper.core.jit import jit
 
-NEVER_OBSERVED = -128  #: the picture's value for a cell that no beam touched
+NEVER_OBSERVED = -128  #: value in the picture of a cell that no beam touched
 ROW_SHIFT = 16  #: a listed cell is ``row << ROW_SHIFT | col``
 COL_MASK = (1 << ROW_SHIFT) - 1
 
@@ -17,7 +17,7 @@ COL_MASK = (1 << ROW_SHIFT) - 1
 def _bounds_of_states(
     low: float, high: float, free_below: float, occupied_above: float
 ) -> tuple[int32, int32, int32, int32]:
-    """Return the last step of a free cell, the first and the last of an unknown one, the first of an occupied one."""
+    """Return the last step of a free cell, the first and last of an unknown one, and the first of an occupied one."""
     most_free, least_occupied = -128, 128
     for step in range(-127, 128):
         stands_for = low + (step + 127) / 254.0 * (high - low)
@@ -37,7 +37,7 @@ def _step_of(
     occupied_above: float,
     bounds: tuple[int32, int32, int32, int32],
 ) -> int32:
-    """Return the step from -127 to 127 for a log-odds.
+    """Return the step, -127 to 127, for log-odds.
 
     Without branches and with 32-bit integers, so that it is compiled to vector instructions.
     """
@@ -73,15 +73,14 @@ def quantise(
     cells: UInt32Array,
     listed: int,
 ) -> int:
-    """Bring the box [row0, row1) × [col0, col1) of ``picture`` up to date; return ``listed`` + how many cells changed.
+    """Update the box [row0, row1) × [col0, col1) of ``picture``; return ``listed`` plus the number of changed cells.
 
-    ``log_odds`` (rows, cols) float32, ``observed`` (rows, cols) bool; ``picture`` (rows, cols) int8 is written, and
-    ``changed`` (⌈rows / tile⌉, ⌈cols / tile⌉) bool becomes true for each tile of ``tile`` × ``tile`` cells in which a
-    cell's value changed. Log-odds ``low`` … ``high`` spread over −127 … 127, values beyond are held at the ends;
-    −128 is "never observed". Each value is the nearest one of the same state, free below and occupied above two
-    log-odds: the picture never shows a cell in another state than it is in. The part of the box outside the grid is
-    ignored. Changed cells are listed in ``cells`` (n,) uint32, as ``row << 16 | col``, from the entry ``listed`` on;
-    those for which there is no more room are only counted.
+    ``log_odds`` (rows, cols) float32, ``observed`` (rows, cols) bool. ``picture`` (rows, cols) int8 is written, and
+    ``changed`` (⌈rows / tile⌉, ⌈cols / tile⌉) bool is set for each tile of ``tile`` × ``tile`` cells in which a value
+    changed. Log-odds ``low`` … ``high`` map to −127 … 127, clamped at the ends; −128 is "never observed". Each value is
+    the nearest one of the same state (free below and occupied above two log-odds), so the picture never shows a cell in
+    a wrong state. Parts of the box outside the grid are ignored. Changed cells are written to ``cells`` (n,) uint32, as
+    ``row << 16 | col``, from the entry ``listed`` on; those beyond its size are only counted.
     """
     rows, cols = log_odds.shape
     scale = 254.0 / (high - low)
@@ -130,9 +129,9 @@ def quantise_cells(
     cells: UInt32Array,
     listed: int,
 ) -> int:
-    """As :func:`quantise`, for the cells ``written`` (m,) uint32: ``row · cols + col``, any of them repeated.
+    """Like :func:`quantise`, for the cells ``written`` (m,) uint32: ``row · cols + col``, possibly repeated.
 
-    The entry of ``cells`` after the listed ones may be written, too.
+    The entry of ``cells`` after the listed ones may also be written.
     """
     cols = uint32(log_odds.shape[1])
     side = uint32(tile)
@@ -143,7 +142,7 @@ def quantise_cells(
         r, c = written[i] // cols, written[i] % cols
         q = _step_of(float(log_odds[r, c]), low, scale, free_below, occupied_above, bounds)
         new = int8(q) if observed[r, c] else int8(NEVER_OBSERVED)
-        # Without a branch that depends on the picture, whose cells are read from memory: the reads overlap.
+        # Without a branch that depends on the picture, so that the reads of its cells from memory overlap.
         differs = picture[r, c] != new
         picture[r, c] = new
         changed[r // side, c // side] |= differs
@@ -164,10 +163,10 @@ def sort_by_tile(
 ) -> int:
     """Sort listed ``cells`` (n,) uint32, each ``row << 16 | col``, by tile; return the number k of tiles.
 
-    ``picture`` (rows, cols) int8; a tile has ``tile`` × ``tile`` cells. Written: of each tile, in the order of the rows
-    of tiles, its column, its row and the number of its cells to ``tiles`` (k, 3), which may have more rows and columns;
-    and of each cell, in the order of the list within its tile, to ``places`` (n,) ``row · tile + col`` within the tile
-    and to ``values`` (n,) its value in the picture now. A counting sort (Knuth, The Art of Computer Programming, 5.2).
+    ``picture`` (rows, cols) int8; a tile has ``tile`` × ``tile`` cells. Written to ``tiles`` (k, 3), which may be
+    larger: for each tile, in row-major order, its column, row and number of cells. Written for each cell, in list order
+    within its tile: to ``places`` (n,) ``row · tile + col`` within the tile, and to ``values`` (n,) its value in the
+    picture. A counting sort (Knuth, The Art of Computer Programming, 5.2).
     """
     tile_cols = -(-picture.shape[1] // tile)
     tile_rows = -(-picture.shape[0] // tile)

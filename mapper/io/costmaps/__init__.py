@@ -1,4 +1,4 @@
-"""Costmaps of recordings: the messages nav2_msgs/Costmap, read and written."""
+"""Costmaps in recordings: reading and writing of nav2_msgs/Costmap messages."""
 
 from mapper.io.costmaps.reading import CostmapStream, RecordedCostmap, open_costmaps
 from mapper.io.costmaps.writing import occupancy_of_costs, write_costmaps

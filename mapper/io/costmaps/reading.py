@@ -1,4 +1,4 @@
-"""Read the messages nav2_msgs/Costmap of a recording.
+"""Reading of nav2_msgs/Costmap messages from a recording.
 
 Source: nav2_msgs, Costmap.msg and CostmapMetaData.msg.
 """
@@ -36,9 +36,9 @@ MAX_NAME = 200  #: characters
 
 @dataclass(frozen=True, slots=True)
 class RecordedCostmap:
-    """One message: its costs (rows, cols) uint8, row 0 at the smallest y, and where its cells are.
+    """One message: its costs (rows, cols) uint8, row 0 at the smallest y, and the geometry of its cells.
 
-    ``stamp_ns`` is that of its header, ``received_ns`` when it was recorded. ``layer`` is which layer its costs are of.
+    ``stamp_ns`` is its header's stamp, ``received_ns`` the recording time. ``layer`` is the layer of its costs.
     """
 
     stamp_ns: int
@@ -62,7 +62,7 @@ class KeptCostmap:
 
 
 class CostmapStream(Sequence[RecordedCostmap]):
-    """The costmaps of one topic, in the order in which they were recorded; costs are unpacked when one is taken."""
+    """The costmaps of one topic in recording order; costs are decompressed on access."""
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
@@ -71,15 +71,15 @@ class CostmapStream(Sequence[RecordedCostmap]):
 
     @property
     def kept(self) -> Sequence[KeptCostmap]:
-        """All of them, compressed."""
+        """All costmaps, compressed."""
         return tuple(self._kept)
 
     def __len__(self) -> int:
-        """Return how many there are."""
+        """Return the number of costmaps."""
         return len(self._kept)
 
     def __getitem__(self, index):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN204 - of a sequence
-        """Return one, or a list of those of a slice."""
+        """Return one costmap, or a list for a slice."""
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
         costmap = self._kept[index]
@@ -89,26 +89,26 @@ class CostmapStream(Sequence[RecordedCostmap]):
         )
 
     def __iter__(self) -> Iterator[RecordedCostmap]:
-        """Yield them one after the other."""
+        """Yield the costmaps in order."""
         return (self[k] for k in range(len(self)))
 
     @property
     def received_ns(self) -> NDArray[np.int64]:
-        """Time at which each was recorded (n,)."""
+        """Recording time of each (n,)."""
         return np.array([costmap.received_ns for costmap in self._kept], dtype=np.int64)
 
     @property
     def geometries(self) -> list[GridGeometry]:
-        """The cells of each."""
+        """The geometry of each."""
         return [costmap.geometry for costmap in self._kept]
 
     @property
     def frames(self) -> list[str]:
-        """The names of their frames, each once."""
+        """The distinct frame names."""
         return sorted({costmap.frame for costmap in self._kept})
 
     def add(self, costmap: RecordedCostmap) -> int:
-        """Keep one; return the bytes that it takes."""
+        """Add a costmap; return its size in bytes."""
         packed = zlib.compress(costmap.costs.tobytes(), 1)
         self.keep(
             KeptCostmap(costmap.stamp_ns, costmap.received_ns, costmap.frame, costmap.layer, costmap.geometry, packed)
@@ -116,14 +116,14 @@ class CostmapStream(Sequence[RecordedCostmap]):
         return len(packed)
 
     def keep(self, costmap: KeptCostmap) -> None:
-        """Keep one that is compressed."""
+        """Add a compressed costmap."""
         self._kept.append(costmap)
 
 
 def costmap_message(
     data: bytes, received_ns: int = 0, *, cdr: bool, limits: Limits = DEFAULT_LIMITS
 ) -> RecordedCostmap:
-    """Return the costmap in one serialised message. Raises :class:`BadMessageError` and says why."""
+    """Return the costmap in a serialised message. Raises :class:`BadMessageError` with the reason."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     fields.unpack("4i", 4)  # map_load_time, update_time
@@ -141,7 +141,7 @@ def costmap_message(
     qx, qy, qz, qw = (part / norm for part in turn)
     if abs(qx) > 1e-3 or abs(qy) > 1e-3:
         raise BadMessageError("its origin is tilted")
-    # A float32 says 0.05 as 0.0500000007: the resolution that was meant has few digits.
+    # As float32, 0.05 is 0.0500000007; the intended resolution has few digits.
     try:
         geometry = GridGeometry(float(f"{resolution:.6g}"), rows, cols, (x, y, 2.0 * math.atan2(qz, qw)), limits)
     except (ConfigError, LimitError) as error:
@@ -153,7 +153,7 @@ def costmap_message(
 
 
 class _Costmaps(MessageSink):
-    """Takes the costmaps of a recording, and nothing else."""
+    """Collects the costmaps of a recording, and nothing else."""
 
     def __init__(self, limits: Limits) -> None:
         self.notes = []
@@ -215,8 +215,8 @@ def open_costmaps(
 ) -> dict[str, CostmapStream]:
     """Return the costmaps of the recording at ``path`` by topic.
 
-    Messages that cannot be read are counted in ``bad`` of their stream. Raises :class:`ReadError` for a file that is no
-    recording or has no costmap that can be read, :class:`LimitError`, and as :func:`mapper.io.logs.open_log`.
+    Unreadable messages are counted in ``bad`` of their stream. Raises :class:`ReadError` for a file that is not a
+    recording or has no readable costmap, :class:`LimitError`, and the errors of :func:`mapper.io.logs.open_log`.
     """
     files, kind = parts_of(Path(path), limits)
     sink = _Costmaps(limits)

@@ -1,4 +1,4 @@
-"""Write costmaps to MCAP as nav2_msgs/Costmap and nav_msgs/OccupancyGrid.
+"""Writing of costmaps to MCAP as nav2_msgs/Costmap and nav_msgs/OccupancyGrid.
 
 Sources: nav2_msgs, Costmap.msg; nav2_costmap_2d, costmap_2d_publisher.cpp (the costs of an OccupancyGrid).
 """
@@ -19,7 +19,7 @@ from mapper.io.export.topics import Topics
 
 
 def occupancy_of_costs(costs: UInt8Array) -> Int8Array:
-    """Return costs as nav_msgs/OccupancyGrid shows them: 0 free, 1 … 98, 99 inscribed, 100 lethal, −1 unknown."""
+    """Convert costs to nav_msgs/OccupancyGrid values: 0 free, 1 … 98, 99 inscribed, 100 lethal, −1 unknown."""
     table = np.zeros(256, dtype=np.int8)
     table[1:253] = 1 + 97 * np.arange(252) // 251
     table[253], table[254], table[255] = 99, 100, -1
@@ -27,9 +27,9 @@ def occupancy_of_costs(costs: UInt8Array) -> Int8Array:
 
 
 def write_costmaps(file: IO[bytes], costmaps: Iterable[RecordedCostmap], topic: str = "/costmap") -> int:
-    """Write each costmap to ``topic``_raw as nav2_msgs/Costmap and to ``topic`` as OccupancyGrid, as Nav2 names them.
+    """Write each costmap to ``topic``_raw as nav2_msgs/Costmap and to ``topic`` as OccupancyGrid, named as in Nav2.
 
-    Return how many were written. Raises :class:`ConfigError` for a time before 0 or beyond 32 bits of seconds.
+    Return the number written. Raises :class:`ConfigError` for a time before 0 or beyond 32 bits of seconds.
     """
     writer = Writer(file, compression=CompressionType.ZSTD)
     writer.start("ros2", "gridbloom")

@@ -1,7 +1,7 @@
-"""Pose graphs in the text format of g2o, which GTSAM, Ceres' examples and most graph optimisers read and write.
+"""Pose graphs in g2o's text format, as used by GTSAM, Ceres' examples and most graph optimisers.
 
 Source: g2o's documentation of its file format: ``VERTEX_SE2 id x y theta``, ``FIX id`` and ``EDGE_SE2 i j dx dy dtheta
-I11 I12 I13 I22 I23 I33``, metres, radians, the upper triangle of the information matrix; ``#`` begins a remark.
+I11 I12 I13 I22 I23 I33``, metres, radians, the upper triangle of the information matrix; ``#`` starts a comment.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ MOST_ID = 2**53
 
 
 def read_g2o(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> PoseGraph:
-    """Return the graph in a g2o file, plain or packed, its nodes in the order of their numbers.
+    """Return the graph in a g2o file, plain or compressed, with nodes in the order of their ids.
 
-    Edges between nodes that follow one another are odometry, others loops. Residuals are 0 and weights 1 until the
-    graph is optimised. Raises :class:`ReadError`, naming the line, for a line of another kind or another number of
-    values, for an invalid number, for a repeated vertex, for an edge whose vertices are missing, the
-    same, or whose information is no positive definite matrix, and for a file without vertices; :class:`LimitError`.
+    Edges between consecutive nodes are odometry, others loops. Residuals are 0 and weights 1 until the graph is
+    optimised. Raises :class:`ReadError`, naming the line, for an unknown line or a wrong number of values, an invalid
+    number, a repeated vertex, an edge with missing or identical vertices or whose information is not positive definite,
+    and for a file without vertices; :class:`LimitError`.
     """
     lines = TextLines(Path(path), limits)
     vertices: dict[int, tuple[float, ...]] = {}

@@ -1,6 +1,6 @@
-"""Readers of robot logs; :func:`open_log` finds out which one a file needs.
+"""Readers of robot logs; :func:`open_log` selects the one for a file.
 
-Trajectory names, in the order in which a log offers them (the first is its default):
+Trajectory names, in the order of a log's trajectories (the first is the default):
 
 ``scan``      the robot's pose as each scan line states it; in a corrected log, the corrected pose
 ``odom``      the odometry pose that each scan line states as well, where the two differ
@@ -19,6 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["is_log", "log_files", "odometry_records", "open_log", "open_robot_log"]
 
-# The readers of all formats are imported with the first use: who imports only `mapper.io.logs.summary`, as the service
-# does, has no need of them.
+# The readers of all formats are imported on first use, because importers of only `mapper.io.logs.summary`, such as the
+# service, do not need them.
 __getattr__ = imported_later(__name__, __file__)

@@ -1,6 +1,6 @@
-"""How well the readings of a log agree, by the times at which its beams and its poses were measured.
+"""Agreement of a log's readings, depending on the assumed measurement times of beams and poses.
 
-Where the robot turns, beams that are placed at wrong times end beside the walls that others saw where it hardly moved.
+Where the robot turns, beams placed at wrong times end off the walls seen by other beams where it hardly moved.
 """
 
 from __future__ import annotations
@@ -15,33 +15,33 @@ from mapper.core.se2 import compose
 from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 
-STRETCH = 40  #: scans one after another that are compared with each other: poses drift little meanwhile
-SHORTER = 20  #: the same in a short log with few turns, for more stretches
-MOST_STRETCHES = 6  #: that are looked at, those in which the robot moves most
-FAST, LEAST_STILL, MOST_STILL = 5, 4, 10  #: scans of each in which it moves most, and hardly
-LEAST_STRETCHES = 2  #: fewer tell nothing
+STRETCH = 40  #: consecutive scans that are compared with each other; poses drift little meanwhile
+SHORTER = 20  #: the same for a short log with few turns, for more stretches
+MOST_STRETCHES = 6  #: stretches examined, those with the most motion
+FAST, LEAST_STILL, MOST_STILL = 5, 4, 10  #: scans of each stretch with the most motion, and with hardly any
+LEAST_STRETCHES = 2  #: minimum number
 MOST_BEAMS = 360  #: of each scan
-FEWER_BEAMS = 120  #: of each scan, with which it is looked for roughly
-REACH_M = 3.0  #: a turn of 1 rad moves the end of a beam so far
-LEAST_MOVED_M = 0.05  #: by which the robot moves a beam's end within the span of time, where this tells anything
-STILL = 0.5  #: of that, at most, where it hardly moves
+FEWER_BEAMS = 120  #: of each scan, for the coarse search
+REACH_M = 3.0  #: lever arm: a turn of 1 rad moves the end of a beam by this distance
+LEAST_MOVED_M = 0.05  #: minimum motion of a beam's end within the time span, for the comparison to be conclusive
+STILL = 0.5  #: maximum fraction of that motion in scans at rest
 FARTHEST_M = 0.3  #: from the nearest end of another beam: what is farther was not seen by others
-BETTER, BY_M = 0.75, 0.01  #: the share, and by how much, that beams by other times end nearer to others
-MUCH = 0.5  #: the share where nothing was stated that the readings contradict
-DELAYS_S = tuple(0.05 * k for k in range(-6, 7))  #: of the scans, with which the times may fit best
-FINER_S = (0.025, 0.0125, 0.00625)  #: steps by which it is looked for around the best of them
+BETTER, BY_M = 0.75, 0.01  #: ratio, and difference, by which beams must end nearer to others with other times
+MUCH = 0.5  #: ratio if nothing was stated that the readings contradict
+DELAYS_S = tuple(0.05 * k for k in range(-6, 7))  #: of the scans, among which the best fit is searched
+FINER_S = (0.025, 0.0125, 0.00625)  #: steps of the fine search around the best of them
 
 
 def fits(error: float, other: float, share: float = BETTER) -> bool:
-    """Return whether beams end clearly nearer to others, ``error`` metres, than by other times, ``other`` metres."""
+    """Return whether ``error`` metres is clearly less than ``other`` metres, the distance with other times."""
     return error <= share * other and error <= other - BY_M
 
 
 class Agreement:
-    """Scans of a log in which the robot moves, beside others, a moment apart, in which it hardly does.
+    """Scans of a log with robot motion, compared with others, a moment apart, with hardly any.
 
-    ``span_s`` seconds after its stamp is the time within which it moves in a scan. Poses are those of a trajectory,
-    None the default. ``tells`` is False where it moves too little.
+    ``span_s`` seconds after its stamp is the time span of the motion in a scan. Poses are those of a trajectory, None
+    for the default. ``tells`` is False if the motion is too small.
     """
 
     def __init__(self, log: ScanLog, span_s: float, trajectory: str | None = None) -> None:
@@ -52,14 +52,14 @@ class Agreement:
         usable = self._motion.is_dense(self._first, self._first + span_s)
         self._stretches = max((_stretches(moved, usable, length) for length in (STRETCH, SHORTER)), key=len)
         self.tells = len(self._stretches) >= LEAST_STRETCHES
-        #: When each stretch is, seconds.
+        #: Time of each stretch, seconds.
         self.times = np.array([float(self._first[np.concatenate(scans)].mean()) for scans in self._stretches])
 
     def apart(self, increment: float, delays: float | Float64Array = 0.0, most_beams: int = MOST_BEAMS) -> float:
-        """Return how far ends in the scans with motion are from the nearest in the others, on average, metres.
+        """Return the mean distance, metres, of endpoints in moving scans from the nearest endpoint in the others.
 
-        Beams are measured ``increment`` seconds one after another, the first of them ``delays`` after the stamp, one
-        for all or (stretches,).
+        Beams are measured ``increment`` seconds apart, the first of them ``delays`` after the stamp, one value for all
+        or (stretches,).
         """
         distances, counts = self.by_stretch(increment, delays, most_beams)
         return float(distances.sum() / counts.sum()) if counts.any() else 0.0
@@ -80,7 +80,7 @@ class Agreement:
         return sums, counts
 
     def best(self, increment: float, first_beam: float = 0.0) -> tuple[float, float]:
-        """Return the least distance with any delay, and that delay, seconds.
+        """Return the minimum distance over all delays, and that delay, seconds.
 
         Without delay, the first beam is measured ``first_beam`` seconds after the stamp.
         """
@@ -95,7 +95,7 @@ class Agreement:
         return least, delay
 
     def _ends(self, scans: NDArray[np.int64], increment: float, delay: float, most_beams: int) -> Float64Array:
-        """Return where beams of some scans end, (n, 2)."""
+        """Return the endpoints (n, 2) of the beams of some scans."""
         log = self._log
         beams = np.arange(0, log.n_beams, 1 + log.n_beams // most_beams)
         bases = self._motion.at((self._first[scans] + delay)[:, np.newaxis] + increment * beams)
@@ -113,9 +113,9 @@ class Agreement:
 def _stretches(
     moved: Float64Array, usable: NDArray[np.bool_], length: int
 ) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Return the scans in which the robot hardly moves, and those in which it does, of some stretches of a log.
+    """Return the scans with hardly any motion, and those with motion, of some stretches of a log.
 
-    Each has ``length`` scans; ``moved`` (n,) is by how much it moves the end of a beam within the span of each scan,
+    Each stretch has ``length`` scans; ``moved`` (n,) is the motion of a beam's end within the span of each scan,
     metres.
     """
     stretches = []

@@ -1,4 +1,4 @@
-"""What a file is that is taken for a log and is none, by its first bytes."""
+"""Identification, by their first bytes, of files that are mistaken for logs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KNOWN_3D = (
     "PCD, PLY, VTK, LAS, LAZ, XYZ, PTS, CSV, points of KITTI and nuScenes (.bin), a scan graph, an octree (.bt, .ot) "
     "or a zip of depth images"
 )
-#: What every file of an unknown kind is told.
+#: Added for every file of unknown kind.
 READ_HERE = f"Read are logs ({KNOWN}) and clouds ({KNOWN_3D})."
 
 AS_CLOUD = "save its points as PLY, LAS or PCD, as CloudCompare does"
@@ -36,7 +36,7 @@ POSEGRAPH = (
     "data of a program that Boost serialised, as slam_toolbox does its .posegraph and .data (load it there, and save "
     "its map with map_saver; a log is the bag that it was made of)"
 )
-#: First bytes of files that are no text log, and what they are.
+#: First bytes of files that are not text logs, and their description.
 FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BZh", "bzip2 data (unpack it)"),
     (b"\xfd7zXZ\0", "xz data (unpack it)"),
@@ -81,7 +81,7 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
 )
 
-#: How texts begin that are neither logs nor clouds that are read, and what they are.
+#: Beginnings of texts that are neither logs nor supported clouds, and their description.
 _NUMBERS = rb"[-+.\deE]+"
 FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
     (
@@ -120,7 +120,7 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
     ),
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
-#: How zip archives begin that are one document, and what they are.
+#: Beginnings of zip archives that are one document, and their description.
 ZIPPED: tuple[tuple[re.Pattern[bytes], str], ...] = (
     (re.compile(rb"PK\x03\x04.{26}[^/\0]{1,200}\.npy", re.DOTALL), f"an archive of arrays of NumPy ({AS_TEXT})"),
     (
@@ -132,15 +132,15 @@ ZIPPED: tuple[tuple[re.Pattern[bytes], str], ...] = (
         "a document of an office program, as a sheet of LibreOffice (save it as CSV)",
     ),
 )
-#: Archives of several files: offset of the magic bytes, the magic bytes, and what they are.
+#: Archives of several files: offset of the magic bytes, the magic bytes, and the description.
 ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"PK\x03\x04", "a zip archive"),
     (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
     (0, b"Rar!", "a rar archive"),
     (257, b"ustar", "a tar archive"),
 )
-MAP = "log.map"  #: of the error for the yaml of a map
-#: Lines of yaml files that belong to logs and are none, and what such a file is.
+MAP = "log.map"  #: of the error for a map's yaml
+#: Lines of yaml files that accompany logs, and their description.
 YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     (
         re.compile(rb"^rosbag2_bagfile_information\s*:", re.MULTILINE),
@@ -159,9 +159,9 @@ YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     ),
 )
 GRAPH_WORDS = (b"VERTEX_SE2", b"EDGE_SE2", b"VERTEX_SE3:QUAT", b"EDGE_SE3:QUAT")  #: of g2o's lines
-POSE_LINES = 20  #: lines of a text that tell whether it is a trajectory
-NEARLY = 0.05  #: how far from 1 the length of a quaternion, or of an axis, may be
-#: Formats of trajectories, and what is done with a file in one.
+POSE_LINES = 20  #: lines of a text examined for a trajectory
+NEARLY = 0.05  #: tolerance of the length of a quaternion or axis around 1
+#: Formats of trajectories, and how to use such a file.
 TRAJECTORIES = {
     "TUM": (
         "Add it to the log that it belongs to: on the page of the log, or with --tum-trajectory on the command line."
@@ -176,26 +176,26 @@ TRAJECTORIES = {
 
 
 def trajectory_format(head: bytes) -> str | None:
-    """Return the format of the trajectory as which a text begins, a key of :data:`TRAJECTORIES`; None of other texts.
+    """Return the trajectory format of a text, a key of :data:`TRAJECTORIES`; None for other texts.
 
-    ``head`` is the beginning of the file; of its last line, which may be cut, nothing is read.
+    ``head`` is the beginning of the file; its last line, which may be cut, is ignored.
     """
     lines = [line for line in head.split(b"\n")[:-1] if line.strip() and not line.lstrip().startswith(b"#")]
-    if len(lines) > 1 and not re.search(rb"\d", lines[0]):  # the names of the columns
+    if len(lines) > 1 and not re.search(rb"\d", lines[0]):  # column names
         lines = lines[1:]
     formats = {_format_of_pose(line) for line in lines[:POSE_LINES]}
-    if formats == {"TUM"}:  # and not points with a normal, whose length is 1 as well
+    if formats == {"TUM"}:  # as opposed to points with normals, whose length is also 1
         times = [float(re.split(rb"[,\s]", line.strip(), maxsplit=1)[0]) for line in lines[:POSE_LINES]]
         return "TUM" if times == sorted(times) else None
     return formats.pop() if len(formats) == 1 else None
 
 
 def _format_of_pose(line: bytes) -> str | None:
-    """Return the format of a line with one pose, None of another line.
+    """Return the format of a line with one pose, None for another line.
 
-    A TUM file has eight numbers, the last four a unit quaternion, with blanks or commas between them; KITTI's the first
-    three rows of a matrix; EuRoC's and NCLT's begin with nanoseconds and microseconds and have commas: a quaternion
-    from the fifth number on, or three angles at the end.
+    A TUM line has eight numbers, separated by blanks or commas, the last four a unit quaternion; a KITTI line the first
+    three rows of a matrix; EuRoC and NCLT lines start with nanoseconds and microseconds and have commas, with a
+    quaternion from the fifth number on, or three angles at the end.
     """
     has_commas = b"," in line
     line = line.rstrip(b", \r")
@@ -232,17 +232,19 @@ def _old_bag(head: bytes) -> ReadError:
 
 
 def archive_of(head: bytes) -> str | None:
-    """Return what kind of archive begins with ``head``; None where none does."""
+    """Return the kind of archive that starts with ``head``; None if it is not an archive."""
     return next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
 
 
 def zipped_document(head: bytes) -> str | None:
-    """Return what document is a zip archive that begins with ``head``; None of an archive of files, and of others."""
+    """Return the kind of document in a zip archive that starts with ``head``; None for archives of files and other
+    kinds.
+    """
     return next((what for pattern, what in ZIPPED if pattern.match(head)), None)
 
 
 def what_else(head: bytes) -> str | None:
-    """Return what a file is that begins with ``head`` and is neither a log nor a cloud; None where it is not known."""
+    """Return the description of a file that is neither log nor cloud and starts with ``head``; None if unknown."""
     document = zipped_document(head)
     if document is not None:
         return document
@@ -254,7 +256,7 @@ def what_else(head: bytes) -> str | None:
 
 
 def not_a_log(head: bytes) -> ReadError:
-    """Return the error that says what a file is that begins with ``head`` as no log does."""
+    """Return the error describing a file that starts with ``head`` and is not a log."""
     head = head.removeprefix(BOM)
     if not head:
         return ReadError("log.empty", "The file is empty.")

@@ -1,13 +1,10 @@
-"""Text from a binary file, made safe to display in one line."""
+"""Sanitising of text from binary files for display in one line."""
 
 from __future__ import annotations
 
 
 def printable(text: str) -> str:
-    """Return ``text`` with a replacement character for each that is not printable: line ends, controls, overrides.
-
-    A right-to-left override in a topic's name could reverse the sentence that contains it.
-    """
+    """Return ``text`` with each non-printable character replaced: line ends, controls, overrides."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else "\ufffd" for c in text)

@@ -1,4 +1,4 @@
-"""Open a log of any format that is known: the kind is read from the bytes, never from the name."""
+"""Opening of logs of any known format, which is detected from the bytes, never from the name."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import OdometryRecords
 
-HEAD = 1 << 16  #: bytes that the kind is read from
+HEAD = 1 << 16  #: bytes used for format detection
 
 Reader = Callable[[Source, Limits, Progress | None, str | None], ScanLog]
 RobotReader = Callable[[Source, Limits, Progress | None, Selection], RobotLog]
-Reading = Callable[[Limits, Progress | None, Selection], RobotLog]  #: of files that are known already
+Reading = Callable[[Limits, Progress | None, Selection], RobotLog]  #: for files that have been identified
 
 #: First bytes of the binary formats.
 BINARY: tuple[tuple[bytes, Container], ...] = (
@@ -45,12 +45,12 @@ BINARY: tuple[tuple[bytes, Container], ...] = (
 
 #: First words of the lines of the text formats.
 TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
-    (gfs.WORDS, gfs.read_gfs),  # before CARMEN's: its lines may be among them
+    (gfs.WORDS, gfs.read_gfs),  # before CARMEN's, whose lines may be among them
     (carmen.WORDS, carmen.read_carmen),
     (dpslam.WORDS, dpslam.read_dpslam),
 )
 
-#: What tells a text of numbers by its beginning.
+#: Detection of numeric texts by their beginning.
 NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
     (cmu.is_cmu, cmu.read_cmu),
     (csv_scans.is_csv_scans, csv_scans.read_csv_scans),
@@ -58,14 +58,14 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
     (sonar.is_sonar, sonar.read_sonar),
 )
 
-CLOUD_ENDINGS = (".bin", ".pcd", ".ply", ".las", ".laz", ".xyz", ".pts")  #: of files that no log has
-METADATA = "metadata.yaml"  #: what rosbag2 writes next to the files that a recording was split into
+CLOUD_ENDINGS = (".bin", ".pcd", ".ply", ".las", ".laz", ".xyz", ".pts")  #: extensions that no log has
+METADATA = "metadata.yaml"  #: written by rosbag2 next to the files of a split recording
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
-    """Return whether the file at ``path`` begins as a log of a known format does; only its beginning is read.
+    """Return whether the file at ``path`` starts like a log of a known format; only its beginning is read.
 
-    False for a file that cannot be opened. A log may begin well and still be one that :func:`open_log` refuses.
+    False for a file that cannot be opened. :func:`open_log` may still reject the file.
     """
     try:
         _reading(Path(path), DEFAULT_LIMITS)
@@ -84,13 +84,12 @@ def open_log(
 ) -> ScanLog:
     """Return one range sensor of the log at ``path``, plain or compressed, of any kind in ``foreign.KNOWN``.
 
-    Of a folder, or a tar archive of one, plain or packed, the log in it is read: the one file that is a log, the files
-    that ROS 2 split a recording into, a ring of sonars' two.
-    ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
-    is taken. ``tf`` names the topic of transforms, where there are several. ``progress`` is called with the share of
-    the file that has been read, 0 … 1. Raises :class:`ReadError`, which names the place, for a file that is missing, no
-    log, damaged or without scans, or a topic that it lacks, and :class:`LimitError` for one that is larger than
-    ``limits`` allow.
+    For a folder, or a tar archive of one, plain or compressed, the log in it is read: the only file that is a log, the
+    files of a split ROS 2 recording, or the two files of a sonar ring. ``topic`` names the sensor if there are several
+    (``log.topics`` lists them); by default the one with most scans is read. ``tf`` names the topic of transforms, if
+    there are several. ``progress`` is called with the fraction of the file read, 0 to 1. Raises :class:`ReadError`,
+    naming the place, for a file that is missing, not a log, damaged or without scans, or a topic that it lacks, and
+    :class:`LimitError` for one that exceeds ``limits``.
     """
     return understood(_reading(Path(path), limits)(limits, progress, Selection.of(topic, tf=tf))).first
 
@@ -103,9 +102,9 @@ def open_robot_log(
     progress: Progress | None = None,
     also: MessageSink | None = None,
 ) -> RobotLog:
-    """Return the log at ``path`` with the sensors that ``selection`` names; otherwise as :func:`open_log`.
+    """Return the log at ``path`` with the sensors of ``selection``; otherwise like :func:`open_log`.
 
-    ``also`` takes the messages of a recording in the same pass; of a text format it gets none.
+    ``also`` receives the messages of a recording in the same pass; a text format has none.
     """
     return understood(_reading(Path(path), limits, also)(limits, progress, selection))
 
@@ -113,10 +112,10 @@ def open_robot_log(
 def odometry_records(
     path: str | os.PathLike[str], *, topic: str | None = None, limits: Limits = DEFAULT_LIMITS
 ) -> OdometryRecords | None:
-    """Return the odometry messages of the log at ``path`` in the order of its records, around its scans.
+    """Return the odometry messages of the log at ``path`` in record order, around its scans.
 
-    None for logs of other formats than CARMEN, in a folder or a tar archive, or without such messages. Raises as
-    :func:`open_log`.
+    None for logs of other formats than CARMEN, in a folder or a tar archive, or without such messages. Raises the
+    errors of :func:`open_log`.
     """
     file = Path(path)
     if file.is_dir() or is_archive(file) or _kind_of(file) is not carmen.read_carmen:
@@ -125,10 +124,10 @@ def odometry_records(
 
 
 def log_files(path: Path) -> list[Path]:
-    """Return the files that are the log in a folder, or the file at ``path``, with all that belongs to them.
+    """Return the files of the log in a folder, or the file at ``path``, with all files that belong to them.
 
-    That is what tells that several files are one log, and what a recorder that was killed left beside a database.
-    Raises :class:`ReadError` where there is no log in a folder, or several.
+    These are the files that mark several files as one log, and what a killed recorder left next to a database. Raises
+    :class:`ReadError` for a folder with no log, or with several.
     """
     files: list[Source] = [path]
     if path.is_dir():
@@ -140,9 +139,9 @@ def log_files(path: Path) -> list[Path]:
 
 
 def parts_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> tuple[Sequence[Source], Container | Reader]:
-    """Return the files that are the log at ``path``, in their order, and the format that they are in.
+    """Return the files of the log at ``path``, in order, and their format.
 
-    Raises :class:`ReadError` where there is no log, or several.
+    Raises :class:`ReadError` if there is no log, or several.
     """
     if path.is_dir():
         files, kind = _one_log(_files_in(path, limits), "folder")
@@ -154,7 +153,7 @@ def parts_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> tuple[Sequence[Sour
 
 
 def _reading(path: Path, limits: Limits, also: MessageSink | None = None) -> Reading:
-    """Return what reads the log at ``path``; raise :class:`MapperError` where there is none, or several."""
+    """Return a function that reads the log at ``path``; raise :class:`MapperError` if there is none, or several."""
     if path.is_dir():
         return _reading_together(_files_in(path, limits), "folder", path.name, also)
     if (archived := archive_members(path, limits)) is not None:
@@ -166,7 +165,7 @@ def _reading(path: Path, limits: Limits, also: MessageSink | None = None) -> Rea
 
 
 def _files_in(folder: Path, limits: Limits) -> list[Source]:
-    """Return a folder's own files, without hidden ones."""
+    """Return a folder's own files, except hidden ones."""
     try:
         inside = sorted(islice(folder.iterdir(), limits.max_archive_files + 1))
     except OSError as error:
@@ -182,7 +181,7 @@ def _files_in(folder: Path, limits: Limits) -> list[Source]:
 
 
 def _reading_together(files: Sequence[Source], where: str, name: str, also: MessageSink | None) -> Reading:
-    """Return what reads the one log that these files are."""
+    """Return a function that reads these files as one log."""
     logs, kind = _one_log(files, where)
     if len(logs) == 1:
         return partial(_reader(kind, also), logs[0])
@@ -193,7 +192,7 @@ def _reading_together(files: Sequence[Source], where: str, name: str, also: Mess
 
 
 def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Container | Reader]:
-    """Return which of the files are the one log among them, and of which kind; raise :class:`ReadError` for none."""
+    """Return the files of the only log among these, and their kind; raise :class:`ReadError` if there is none."""
     by_place = {(_folder_of(file), file.name): file for file in files}
     for (folder, last), readings in by_place.items():
         if last == sonar.READINGS and (folder, sonar.POSES) in by_place:
@@ -209,7 +208,7 @@ def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Contain
             if error.code not in ("log.unknown_format", "log.binary") and file.name != METADATA:
                 why_not.append(type(error)(error.code, f"{file.name}: {error.message}"))
     if not kinds and why_not:
-        raise min(why_not, key=lambda why: why.code == "log.empty")  # what is wrong with a file that holds something
+        raise min(why_not, key=lambda why: why.code == "log.empty")  # reports the error of a non-empty file
     if not kinds:
         clouds = sorted(file.name for file in files if file.name.lower().endswith(CLOUD_ENDINGS))
         if clouds:
@@ -231,7 +230,7 @@ def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Contain
 def _apart(
     logs: Sequence[Source], kinds: Collection[Container | Reader], places: Collection[tuple[str, str]]
 ) -> str | None:
-    """Return why logs are not the parts of one recording; None where they are."""
+    """Return why logs are not parts of one recording; None if they are."""
     folders = {_folder_of(log) for log in logs}
     if len(folders) > 1:
         return "in different folders"
@@ -249,7 +248,7 @@ def _folder_of(file: Source) -> str:
 
 
 def _noting(notes: Sequence[str], reading: Reading) -> Reading:
-    """Return ``reading`` with more notes on the log that it returns."""
+    """Return ``reading`` with notes added to its log."""
 
     def noted(limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
         robot = reading(limits, progress, selection)
@@ -269,7 +268,7 @@ def _reader(kind: Container | Reader, also: MessageSink | None) -> RobotReader:
 def _without_transforms(
     reader: RobotReader, file: Source, limits: Limits, progress: Progress | None, selection: Selection
 ) -> RobotLog:
-    """Return the log of a format without transforms. Raises :class:`ReadError` where a topic of them is named."""
+    """Return the log of a format without transforms. Raises :class:`ReadError` if a topic of transforms is named."""
     if selection.tf is not None:
         raise ReadError("log.tf", f"The log has no transforms on {selection.tf!r:.80}: its format has none.")
     return reader(file, limits, progress, selection)
@@ -278,13 +277,13 @@ def _without_transforms(
 def _one_sensor(
     reader: Reader, file: Source, limits: Limits, progress: Progress | None, selection: Selection
 ) -> RobotLog:
-    """Return the log of a format of one sensor. Raises :class:`ReadError` where a topic is named."""
+    """Return the log of a format with one sensor. Raises :class:`ReadError` if a topic is named."""
     topic = selection.topics[0] if selection.topics else None
     return RobotLog.of_one(reader(file, limits, progress, topic))
 
 
 def _kind_of(file: Source) -> Container | Reader:
-    """Return the format that the file begins in; raise :class:`ReadError` where it begins in none."""
+    """Return the format of the beginning of the file; raise :class:`ReadError` if it is unknown."""
     head, broken = _head(file)
     for magic, container in BINARY:
         if head.startswith(magic):
@@ -292,13 +291,13 @@ def _kind_of(file: Source) -> Container | Reader:
     archive = archive_of(head)
     if zipped_document(head) is not None:
         raise not_a_log(head)
-    if archive is not None:  # it may contain the lines of a log
+    if archive is not None:  # an archive may contain the lines of a log
         raise ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
     words = _first_words(head)
     for format_words, reader in TEXT:
         if words & format_words:
             return reader
-    if not broken or b"\n" in head:  # half a line of numbers looks like another format's
+    if not broken or b"\n" in head:  # half a line of numbers looks like another format
         for begins, reader in NUMBERS:
             if begins(head):
                 return reader
@@ -308,7 +307,7 @@ def _kind_of(file: Source) -> Container | Reader:
 
 
 def _head(file: Source) -> tuple[bytes, str | None]:
-    """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
+    """Return the log's first bytes, and the error in its compressed data if no more can be read."""
     if isinstance(file, Member) and file.head is not None:
         head = _head_of(io.BytesIO(file.head))
         if len(head[0]) >= HEAD or len(file.head) == file.size:

@@ -1,8 +1,8 @@
-"""Whether poses are stamped late or early, or by a clock that runs at another rate, as the readings of a log say.
+"""Detection of poses stamped late or early, or by a clock with another rate, from the readings of a log.
 
-Each source of poses has its own clock. Where the robot turns, scans that are placed by late poses end beside the walls
-that others saw. It is asked when a log is read, so that the map is right by itself; of longer delays the doctor asks
-(:mod:`mapper.diagnosis.timing`).
+Each source of poses has its own clock. Where the robot turns, scans placed by late poses end off the walls seen by
+others. The check is made when a log is read, so that the map is correct automatically; the doctor checks for longer
+delays (:mod:`mapper.diagnosis.timing`).
 """
 
 from __future__ import annotations
@@ -19,17 +19,19 @@ from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 
-LOOKED_AT_S = 0.1  #: seconds in which the robot moves, to choose scans by
-OFFSETS_S = np.arange(-0.3, 0.301, 0.025)  #: that are tried in each stretch, to find the rate
-MOST_RATE = 0.02  #: seconds by which a clock may go wrong in each second
-RATES = 49  #: that are tried, evenly spaced up to it, either way
-DRIFTS = (-0.02, -0.01, -0.005, 0.005, 0.01, 0.02)  #: rad/s, of headings, which may look like a clock
-LEAST_CHANGE_S = 0.02  #: by which a clock must go wrong within the log
+LOOKED_AT_S = 0.1  #: seconds of motion by which scans are selected
+OFFSETS_S = np.arange(-0.3, 0.301, 0.025)  #: tried in each stretch to find the rate
+MOST_RATE = 0.02  #: maximum clock rate error, seconds per second
+RATES = 49  #: number of rates tried, evenly spaced up to it in both directions
+DRIFTS = (-0.02, -0.01, -0.005, 0.005, 0.01, 0.02)  #: rad/s, of headings, which may look like a clock error
+LEAST_CHANGE_S = 0.02  #: minimum clock change within the log
 
 
 @dataclass(frozen=True, slots=True)
 class PoseClock:
-    """The pose of a scan at time t, seconds, is stamped ``t + offset + rate · (t − middle)``; ``why`` is a sentence."""
+    """Clock of poses: the pose at time t, seconds, is stamped ``t + offset + rate · (t − middle)``; ``why`` is a
+    sentence.
+    """
 
     offset: float
     rate: float
@@ -41,7 +43,7 @@ class PoseClock:
         return np.asarray(times + self.offset + self.rate * (times - self.middle))
 
     def corrected(self, log: ScanLog, name: str) -> Trajectory:
-        """Return a trajectory of a log as it is by the scans' clock. Poses that it does not cover are not known."""
+        """Return a trajectory of a log by the scans' clock. Poses outside its range are marked unknown."""
         trajectory, at = log.trajectory(name), self.stamped(seconds(log))
         motion = Motion.of(log, name)
         known = motion.covers(at) if trajectory.is_known is None else motion.covers(at) & trajectory.is_known
@@ -55,10 +57,10 @@ class PoseClock:
 
 
 def pose_clock(log: ScanLog, name: str) -> PoseClock | None:
-    """Return the clock of the poses of a trajectory that have stamps of their own; None where it is that of the scans.
+    """Return the clock of a trajectory's separately stamped poses; None if it is that of the scans.
 
-    It must fit the readings much better, as what other faults do to poses may look like a delay: ends of beams, where
-    the robot moves, are at most half as far from those of others, and 1 cm nearer.
+    It must fit the readings much better, because other pose errors may look like a delay: in scans with motion,
+    endpoints must be at most half as far from those of others, and 1 cm nearer.
     """
     trajectory = log.trajectory(name)
     if (
@@ -77,7 +79,7 @@ def pose_clock(log: ScanLog, name: str) -> PoseClock | None:
     middle = float(agreement.times.mean())
     apart, offset = agreement.best(increment)
     rate, is_late = 0.0, fits(apart, now, MUCH)
-    # Where one delay is right, no rate fits clearly better.
+    # If one delay is right, no rate fits clearly better.
     running = None if is_late and apart <= BY_M else _running(agreement, increment, middle)
     if running is not None and fits(running[0], now, MUCH) and fits(running[0], apart):
         apart, offset, rate = running
@@ -89,7 +91,7 @@ def pose_clock(log: ScanLog, name: str) -> PoseClock | None:
 
 
 def _why(name: str, offset: float, rate: float) -> str:
-    """Return what is said of a clock."""
+    """Return the sentence on a clock."""
     if rate:
         parts = float(f"{abs(rate) * 1e6:.2g}")
         return (
@@ -106,9 +108,9 @@ def _why(name: str, offset: float, rate: float) -> str:
 
 
 def _with_drift(log: ScanLog, name: str, increment: float) -> float:
-    """Return the least distance, metres, of a log whose headings drift evenly, by one of :data:`DRIFTS`.
+    """Return the minimum distance, metres, for headings that drift evenly by one of :data:`DRIFTS`.
 
-    Of a robot that always turns the same way a clock and a heading that drift are alike.
+    For a robot that always turns in the same direction, a clock error and a heading drift are equivalent.
     """
     motion = Motion.of(log, name)
     stamps_ns = np.round(motion.times * 1e9).astype(np.int64)
@@ -122,9 +124,9 @@ def _with_drift(log: ScanLog, name: str, increment: float) -> float:
 
 
 def _running(agreement: Agreement, increment: float, middle: float) -> tuple[float, float, float] | None:
-    """Return the distance, the offset, seconds, and the rate of a clock with which the stretches fit best.
+    """Return the distance, offset, seconds, and rate of the clock for which the stretches fit best.
 
-    None where the clock is right at the end if it is at the beginning.
+    None if a clock that is right at the beginning is also right at the end.
     """
     times = agreement.times - middle
     table = np.stack(
@@ -141,7 +143,7 @@ def _running(agreement: Agreement, increment: float, middle: float) -> tuple[flo
             total = sum(float(np.interp(w, OFFSETS_S, column)) for w, column in zip(corrected_s, table.T, strict=True))
             least = min(least, (total, float(offset), float(rate)))
     _, offset, rate = least
-    # Half of the steps between what was tried, and finer.
+    # Half the step of the first search, and finer.
     step_offset, step_rate = float(OFFSETS_S[1] - OFFSETS_S[0]) / 2.0, steepest / (RATES - 1)
     now = agreement.apart(increment, offset + rate * times)
     for _ in range(3):

@@ -1,4 +1,4 @@
-"""Selection of the sensors and options with which a log is read."""
+"""Selection of sensors and options for reading a log."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from mapper.sensors.planar.options import PlanarCut
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The planar sensors that are read.
+    """Selection of the planar sensors to read.
 
-    ``topics`` names them; without one, those that make one map by themselves are read: the lidar with most scans, or
-    else all sonars. None reads all sensors. Point clouds and depth images are sensors as well, where they are named,
-    or where there is no lidar: ``cut`` says how scans are cut out of them. ``tf`` names the topic of transforms that
-    are taken, where there are several (None: see :mod:`mapper.io.logs.recording.tf_topics`).
+    ``topics`` names them; without names, those that make one map are read: the lidar with most scans, or else all
+    sonars. None reads all sensors. Point clouds and depth images also count as sensors if they are named, or if there
+    is no lidar; ``cut`` has the options for extracting scans from them. ``tf`` names the topic of transforms to use, if
+    there are several (None: see :mod:`mapper.io.logs.recording.tf_topics`).
     """
 
     topics: tuple[str, ...] | None = ()
@@ -23,11 +23,11 @@ class Selection:
 
     @staticmethod
     def of(topic: str | None, cut: PlanarCut | None = None, tf: str | None = None) -> Selection:
-        """Return the selection of one sensor, or of none in particular."""
+        """Return the selection of one sensor, or of the default one."""
         return Selection(() if topic is None else (topic,), cut or PlanarCut(), tf)
 
     def wants(self, topic: str) -> bool:
-        """Return whether a sensor may be one of those."""
+        """Return whether a sensor may be selected."""
         return not self.topics or self.names(topic)
 
     def names(self, topic: str) -> bool:
@@ -35,7 +35,7 @@ class Selection:
         return _plain(topic) in {_plain(name) for name in self.topics or ()}
 
     def name_of(self, topic: str) -> str:
-        """Return a topic with what is named behind it, as the topic of transforms of ``/points#/tf_gt``."""
+        """Return a topic with its suffix, such as the transform topic in ``/points#/tf_gt``."""
         named = next((name for name in self.topics or () if _plain(name) == _plain(topic)), "")
         return topic + "".join(named.partition("#")[1:])
 
@@ -44,5 +44,5 @@ ALL_SENSORS = Selection(None)
 
 
 def _plain(topic: str) -> str:
-    """Return a topic without its first slash, and without what tells sensors that share it apart."""
+    """Return a topic without its leading slash, and without the suffix that distinguishes sensors on it."""
     return topic.lstrip("/").split("#")[0]

@@ -1,4 +1,4 @@
-"""Summary of a log in a few figures."""
+"""Summary figures of a log."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mapper.sensors.scan import ScanLog, Topic
 
 @dataclass(frozen=True, slots=True)
 class TrajectorySummary:
-    """``length_m`` is the length of the path from the first scan's pose to the last's, as the sum of its steps."""
+    """``length_m`` is the length of the path between the poses of the first and last scan, as the sum of its steps."""
 
     name: str
     description: str
@@ -34,14 +34,14 @@ class ReadingCounts:
 
 @dataclass(frozen=True, slots=True)
 class TimeSummary:
-    """Times of the scans. ``start_s`` is the earliest stamp since 1970, None for a clock that began elsewhere.
+    """Times of the scans. ``start_s`` is the earliest stamp since 1970, None for a clock with another epoch.
 
-    A gap is a pause of more than a second and five times the usual one between two scans; ``longest_gap_at_s`` is
-    where the longest begins, in seconds since the earliest stamp.
+    A gap is a pause between two scans of more than a second and five times the usual one; ``longest_gap_at_s`` is the
+    start of the longest, in seconds since the earliest stamp.
     """
 
     start_s: float | None
-    rate_hz: float | None  #: by the median pause between two scans; None for a log without times
+    rate_hz: float | None  #: from the median pause between two scans; None for a log without times
     gaps: int
     longest_gap_s: float
     longest_gap_at_s: float
@@ -58,7 +58,7 @@ class MapSummary:
 
 @dataclass(frozen=True, slots=True)
 class LogSummary:
-    """Figures of one log: metres, radians and, where the name says so, degrees and seconds."""
+    """Figures of one log: metres, radians and, as the names indicate, degrees and seconds."""
 
     name: str
     format: str
@@ -68,7 +68,7 @@ class LogSummary:
     field_of_view_deg: float  #: from the first beam to the last
     angle_min: float
     angle_increment: float
-    range_max: float | None  #: None where nothing limits it, as of scans that are cut out of clouds
+    range_max: float | None  #: None if unlimited, as for scans extracted from clouds
     mount: tuple[float, float, float]
     readings: ReadingCounts
     trajectories: tuple[TrajectorySummary, ...]
@@ -76,13 +76,13 @@ class LogSummary:
     upside_down: bool = False
     time: TimeSummary | None = None
     topics: tuple[Topic, ...] = ()
-    costmaps: int = 0  #: of a recording that has no scans
-    clouds: int = 0  #: scans in 3D, of a file that has no planar ones; an octree counts as one
+    costmaps: int = 0  #: for a recording without scans
+    clouds: int = 0  #: number of 3D scans, for a file without planar ones; an octree counts as one
     points: int = 0  #: of these clouds, or leaves of the octree
-    map: MapSummary | None = None  #: of map files, which have no scans
+    map: MapSummary | None = None  #: for map files, which have no scans
 
 
-#: Figures of a record without scans, of which the rest is stated with ``dataclasses.replace``.
+#: Default figures of a record without scans, to be completed with ``dataclasses.replace``.
 NO_SCANS = LogSummary(
     name="",
     format="",
@@ -127,21 +127,21 @@ def summarise(log: ScanLog) -> LogSummary:
 
 
 def recorded_seconds(log: ScanLog) -> NDArray[np.float64]:
-    """Return how much of the recorded time is over at each scan (n_scans,), in seconds since the earliest stamp.
+    """Return the elapsed recorded time at each scan (n_scans,), in seconds since the earliest stamp.
 
-    Never decreasing: where the clock steps back, time stays constant until it has caught up. The last one is the log's
+    Never decreasing: if the clock steps back, time stays constant until it has caught up. The last value is the log's
     duration; all are zero for a log without times.
     """
     if log.n_scans == 0:
         return np.zeros(0)
     latest = np.maximum.accumulate(log.stamps_ns)
-    # As unsigned numbers: the span of two absurd stamps does not fit into a signed one.
+    # Unsigned, because the span of two extreme stamps does not fit into a signed integer.
     span_ns: NDArray[np.uint64] = latest.view(np.uint64) - log.stamps_ns.min(keepdims=True).view(np.uint64)
     return span_ns.astype(np.float64) * 1e-9
 
 
 def start_s(stamps_ns: NDArray[np.int64]) -> float | None:
-    """Return the earliest stamp in seconds since 1970; None for a clock that began elsewhere, and without stamps."""
+    """Return the earliest stamp in seconds since 1970; None for a clock with another epoch, and without stamps."""
     start = float(stamps_ns.min()) * 1e-9 if len(stamps_ns) else 0.0
     return start if EPOCH_S[0] < start < EPOCH_S[1] else None
 
@@ -161,7 +161,7 @@ def _time(stamps_ns: NDArray[np.int64], seconds: NDArray[np.float64]) -> TimeSum
 
 
 def time_without_gaps(stamps_ns: NDArray[np.int64]) -> tuple[TimeSummary, float]:
-    """Return the times of clouds or costmaps, whose pauses are not looked at, and the seconds from first to last."""
+    """Return the times of clouds or costmaps, without gap analysis, and the seconds from first to last."""
     seconds = np.sort(stamps_ns).astype(np.float64) * 1e-9
     usual = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
     rate = 1.0 / usual if usual > 0.0 and math.isfinite(usual) else None

@@ -1,8 +1,8 @@
-"""Whether the readings of a log contradict the times at which its beams were measured, by what its messages state.
+"""Detection of stated beam times that the readings of a log contradict.
 
-Simulators and drivers state a ``time_increment`` of scans that were measured at once, or in another order, and none of
-scans that take all of the time between two. It is asked when a log is read, so that the map is right by itself; the
-doctor asks more thoroughly (:mod:`mapper.diagnosis.sweep`).
+Simulators and drivers state a ``time_increment`` for scans that were measured at once, or in reverse order, and none
+for scans that take the whole time between two. The check is made when a log is read, so that the map is correct
+automatically; the doctor checks more thoroughly (:mod:`mapper.diagnosis.sweep`).
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from dataclasses import dataclass
 from mapper.io.logs.agreement import BY_M, MUCH, Agreement, fits
 from mapper.sensors.scan import ScanLog
 
-LONGEST_S = 0.5  #: a turn of a lidar that is looked for
+LONGEST_S = 0.5  #: maximum duration of a lidar's turn considered
 _ONLY_SO = "only so do they end, where the robot turns, on walls that other scans saw."
 
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """When the beams of a scan were measured, as the readings say; ``why`` is a sentence.
+    """Measurement times of a scan's beams according to the readings; ``why`` is a sentence.
 
-    ``time_increment`` is from one beam to the next, seconds; of the other order than is stated it is ``reversed``.
+    ``time_increment`` is the time between beams, seconds; ``reversed`` means the opposite order of that stated.
     """
 
     why: str
@@ -30,11 +30,11 @@ class Sweep:
 
 
 def contradicted_sweep(log: ScanLog, period: float) -> Sweep | None:
-    """Return how the beams of a scan were measured in place of the stated times; None where that is not clear.
+    """Return how a scan's beams were measured, if it differs from the stated times; None if that is not clear.
 
     Poses are those of the log's first trajectory; ``period`` is the usual time between scans, seconds, 0 if unknown.
-    Each order is taken with the delay with which it fits best, so that late poses do not decide, and the stated one
-    must fit clearly worse.
+    Each order is evaluated with its best delay, so that late poses have no influence, and the stated one must fit
+    clearly worse.
     """
     if log.can_deskew():
         return _contradicted(log)
@@ -46,7 +46,7 @@ def contradicted_sweep(log: ScanLog, period: float) -> Sweep | None:
 def _contradicted(log: ScanLog) -> Sweep | None:
     sweep = log.time_increment * (log.n_beams - 1)
     agreement = Agreement(log, sweep)
-    if not agreement.tells or agreement.apart(log.time_increment) <= BY_M:  # nothing fits clearly better
+    if not agreement.tells or agreement.apart(log.time_increment) <= BY_M:  # nothing can fit clearly better
         return None
     stated, _ = agreement.best(log.time_increment)
     at_once, _ = agreement.best(0.0)
@@ -65,7 +65,7 @@ def _contradicted(log: ScanLog) -> Sweep | None:
 
 
 def _not_stated(log: ScanLog, period: float) -> Sweep | None:
-    """Return the sweep of a lidar that turns once in the time between two scans, of which the log states nothing."""
+    """Return the sweep of a lidar that turns once between two scans, in a log that states no times."""
     turn = log.scan_time if 0.0 < log.scan_time <= period else period
     increment = turn * abs(log.angle_increment) / (2.0 * math.pi)
     sweep = increment * (log.n_beams - 1)

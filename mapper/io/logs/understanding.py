@@ -1,6 +1,6 @@
-"""What no single message of a log can say: whether its sweeps are possible, and whether it measured anything.
+"""Plausibility checks of a whole log: whether its sweeps are possible, and whether it measured anything.
 
-It is asked of every log once it is read, whatever its format, so that one rule and one sentence serve all.
+They apply to every log after reading, regardless of its format, so that all use the same rules and messages.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.sparse_poses import ADVICE, sparse_turns
 
-JITTER = 1.25  #: a sweep may last so much longer than the time between scans, or than the stated one
-LEAST_SCANS = 3  #: fewer tell nothing of the time between them
-FARTHEST_USUAL_M = 300.0  #: the usual reading of no lidar that drives: those of the longest range see so far at most
+JITTER = 1.25  #: tolerance factor of the sweep's duration over the time between scans, or over the stated one
+LEAST_SCANS = 3  #: minimum for the time between scans
+FARTHEST_USUAL_M = 300.0  #: maximum usual reading of a driving lidar, the range of the longest-range ones
 ENOUGH_READINGS = 100_000
-FASTEST_USUAL = 60.0  #: m/s, of what drives with a lidar
-MOST_EXCLUDED = 0.5  #: of the readings: where a limit excludes more, and none counts, that is the reason
+FASTEST_USUAL = 60.0  #: m/s, of a vehicle with a lidar
+MOST_EXCLUDED = 0.5  #: of the readings: if a limit excludes more, and none is valid, it is reported as the reason
 PAUSE = 5.0  #: usual intervals: longer times between scans are pauses
 
 
 def understood(robot: RobotLog) -> RobotLog:
-    """Return a log whose readings are distances, and whose sweeps fit them, with notes on what these lack."""
+    """Return a log whose readings are distances, and whose sweeps fit them, with notes on the deficiencies."""
     sensors = {name: _understood(log) for name, log in robot.sensors.items()}
     return replace(robot, sensors=sensors)
 
@@ -42,7 +42,7 @@ def _understood(log: ScanLog) -> ScanLog:
         log = each_part(log, lambda part: _at_once(part) if impossible_sweep(part, period) else part)
     contradicted = contradicted_sweep(_longest(log), period)
     if contradicted is not None:
-        # What is impossible is not used then, but neither are the beams measured at once, as that note says.
+        # Impossible times are not used, but the beams are not simultaneous either, as that note says.
         log, why = each_part(log, lambda part: _as_swept(part, contradicted)), [contradicted.why]
     reason = next(filter(None, why[::-1]), "")
     if reason:
@@ -55,9 +55,9 @@ def _understood(log: ScanLog) -> ScanLog:
 
 
 def _usual_reading(log: ScanLog) -> float:
-    """Return the median of the different readings that are distances, metres, in range or not; 0 without.
+    """Return the median of the distinct readings that are distances, metres, in range or not; 0 if there are none.
 
-    A number that stands for no return is one of them. Of a long log only some of the scans are looked at.
+    A code for no return counts once. In a long log only some of the scans are examined.
     """
     some = log.ranges[:: 1 + log.ranges.size // ENOUGH_READINGS]
     readings = some[np.isfinite(some) & (some > 0.0)]
@@ -65,7 +65,7 @@ def _usual_reading(log: ScanLog) -> float:
 
 
 def _with_no_return(log: ScanLog) -> ScanLog:
-    """Return the log without the distance that its sensor reads where nothing returns, and a note on it."""
+    """Return the log with its sensor's no-return distance removed, and a note on it."""
     code = code_for_no_return(_longest(log))
     if code is None:
         return log
@@ -84,7 +84,7 @@ def _longest(log: ScanLog) -> ScanLog:
 
 
 def _by_one_clock(log: ScanLog) -> tuple[ScanLog, list[str]]:
-    """Return the log with the poses of each source by the clock of the scans, and notes on those that were not."""
+    """Return the log with the poses of each source by the clock of the scans, and notes on those that differed."""
     longest = _longest(log)
     clocks = {name: pose_clock(longest, name) for name in longest.trajectories}
     known = {name: clock for name, clock in clocks.items() if clock is not None}
@@ -101,7 +101,7 @@ def _by_one_clock(log: ScanLog) -> tuple[ScanLog, list[str]]:
 def _as_swept(log: ScanLog, sweep: Sweep) -> ScanLog:
     if sweep.reversed:
         return _reversed(log)
-    if sweep.time_increment < 0.0:  # in the other order, of which nothing was stated
+    if sweep.time_increment < 0.0:  # in reverse order, for which nothing was stated
         return _reversed(replace(log, time_increment=-sweep.time_increment))
     return replace(log, time_increment=sweep.time_increment)
 
@@ -111,9 +111,9 @@ def _at_once(log: ScanLog) -> ScanLog:
 
 
 def _reversed(log: ScanLog) -> ScanLog:
-    """Return the log with the last beam of each scan measured first, or the first where they were in that order.
+    """Return the log with its beams reversed in time.
 
-    The beams are in the order in which they were measured then; the stamp is when the first of them was.
+    The beams are then in the order of measurement; the stamp is that of the first measured beam.
     """
     if log.time_increment <= 0.0:
         return replace(log, time_increment=-log.time_increment)
@@ -127,9 +127,9 @@ def _reversed(log: ScanLog) -> ScanLog:
 
 
 def time_between_scans(stamps_ns: NDArray[np.int64]) -> float:
-    """Return the usual time from one scan to the next, seconds; 0 where the stamps (n,) do not tell it.
+    """Return the usual time between scans, seconds; 0 if the stamps (n,) do not determine it.
 
-    It is the median or, where scans come in bursts, their mean without pauses.
+    It is the median or, if scans arrive in bursts, their mean without pauses.
     """
     steps = np.diff(stamps_ns.astype(np.float64)) * 1e-9
     steps = steps[steps > 0.0]
@@ -140,10 +140,10 @@ def time_between_scans(stamps_ns: NDArray[np.int64]) -> float:
 
 
 def impossible_sweep(log: ScanLog, period: float) -> str:
-    """Return why the beams of a scan cannot have been measured at the times that are stated; nothing if they can.
+    """Return why the stated beam times are impossible, or nothing if they are possible.
 
-    ``period`` is the usual time between scans, seconds, 0 if unknown. A sweep ends before the next one begins, and
-    before the stated ``scan_time`` has passed.
+    ``period`` is the usual time between scans, seconds, 0 if unknown. A sweep must end before the next one starts, and
+    within the stated ``scan_time``.
     """
     sweep = abs(log.time_increment) * max(0, log.n_beams - 1)
     stated = f"A sweep of {log.n_beams} beams takes {sweep:.3g} s by the stated time_increment"
@@ -156,7 +156,7 @@ def impossible_sweep(log: ScanLog, period: float) -> str:
 
 
 def _notes_on_speed(log: ScanLog) -> list[str]:
-    """Return a note on each trajectory by which the robot usually moves faster than robots do."""
+    """Return a note on each trajectory with an implausibly high usual speed."""
     seconds = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     notes = []
     for name, trajectory in log.trajectories.items():
@@ -185,7 +185,7 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
         )
         return [note]
     total = no_return = 0
-    outside = {"range_max": 0, "range_min": 0}  #: distances that a limit excludes
+    outside = {"range_max": 0, "range_min": 0}  #: distances excluded by a limit
     limits = {"range_max": log.range_max, "range_min": log.range_min}
     for part in sensors_of(log):
         with np.errstate(invalid="ignore"):
@@ -194,7 +194,7 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
             beyond = part.ranges > part.range_max
             no_return += int(np.count_nonzero(beyond))
             far = part.ranges[beyond & np.isfinite(part.ranges)]
-            if len(far) and np.ptp(far) > 0.0:  # one value stands for no return
+            if len(far) and np.ptp(far) > 0.0:  # a single value is a code for no return
                 outside["range_max"] += len(far)
             outside["range_min"] += int(np.count_nonzero((part.ranges > 0.0) & (part.ranges < part.range_min)))
         total += part.ranges.size

@@ -1,4 +1,4 @@
-"""Map files, as ROS map servers write and read them: a yaml that describes an image."""
+"""Map files as read and written by ROS map servers: a yaml that describes an image."""
 
 from typing import TYPE_CHECKING
 
@@ -20,5 +20,5 @@ __all__ = [
     "yaml_text",
 ]
 
-# The reader imports Pillow and PyYAML, which writing does without.
+# The reader imports Pillow and PyYAML, which writing does not need.
 __getattr__ = imported_later(__name__, __file__)

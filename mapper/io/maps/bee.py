@@ -1,9 +1,9 @@
-"""Maps of CMU's course on mobile robots (Wean Hall): a text of probabilities, plain or packed with gzip.
+"""Maps of CMU's course on mobile robots (Wean Hall): a text of probabilities, plain or gzip.
 
-Source: instruct.txt and wean.dat of the course's data. After lines ``robot_specifications->NAME VALUE`` (the size of
-the map, the side of a cell and a shift, cm) comes ``global_map[0]: COLUMNS ROWS``, then a row of numbers for each x,
-and in it one for each y: −1 is unknown, others are the probability that a cell is **free**. The instructions say
-"occupied", but the scans of the course's logs lie on the cells of 0.
+Source: instruct.txt and wean.dat of the course's data. Lines ``robot_specifications->NAME VALUE`` (the size of the map,
+the side of a cell and a shift, cm) are followed by ``global_map[0]: COLUMNS ROWS`` and then one row of numbers for each
+x, with one number for each y: −1 is unknown, others are the probability that a cell is **free**. The instructions say
+"occupied", but the scans of the course's logs are on the cells of 0.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mapper.grid import UNKNOWN, GridGeometry
 
 MAGIC = b"robot_specifications"
 GZIP_MAGIC = b"\x1f\x8b"
-BYTES_PER_CELL = 16  #: of the text, at most
+BYTES_PER_CELL = 16  #: maximum, of the text
 _HEAD_BYTES = 4096
 
 _SPECIFICATION = re.compile(rb"^robot_specifications->(\w+)[ \t]+([-+.\deE]+)[ \t\r]*$", re.MULTILINE)
@@ -31,7 +31,7 @@ _SIZE = re.compile(rb"^global_map\[0\]:[ \t]*(\d{1,7})[ \t]+(\d{1,7})[ \t\r]*\n"
 
 
 def is_bee_map(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file begins as these maps do."""
+    """Return whether a file starts like these maps."""
     try:
         return _start(Path(path), len(MAGIC)) == MAGIC
     except (OSError, EOFError, ValueError, zlib.error):
@@ -39,7 +39,7 @@ def is_bee_map(path: str | os.PathLike[str]) -> bool:
 
 
 def _start(path: Path, count: int) -> bytes:
-    """Return the first ``count`` bytes of a file, unpacked."""
+    """Return the first ``count`` decompressed bytes of a file."""
     with path.open("rb") as file:
         if file.read(2) != GZIP_MAGIC:
             file.seek(0)
@@ -51,10 +51,7 @@ def _start(path: Path, count: int) -> bytes:
 def read_bee_map(
     path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS
 ) -> tuple[GridGeometry, NDArray[np.int8]]:
-    """Return the geometry of a map, and its cells (rows, cols) int8 as nav_msgs has them: 0 … 100, −1 unknown.
-
-    Raises :class:`ReadError` for a file that is damaged or incomplete, and :class:`LimitError` for one too large.
-    """
+    """Return the geometry of a map, and its cells (rows, cols) int8 as in nav_msgs: 0 … 100, −1 unknown."""
     place = Path(path)
     try:
         head = _start(place, _HEAD_BYTES)

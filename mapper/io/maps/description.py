@@ -1,7 +1,7 @@
-"""The yaml that describes a map's image, read as untrusted input.
+"""Parser of the yaml that describes a map image, treated as untrusted input.
 
-Only plain scalars and lists count. What YAML 1.1 makes of a scalar is not trusted: ``1:30`` would be the number 90 and
-``010`` the number 8.
+Only plain scalars and lists are used. YAML 1.1's interpretation of scalars is not used, because ``1:30`` would be the
+number 90 and ``010`` the number 8.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mapper.io.untrusted_yaml import UntrustedLoader, text_of, where_and_why
 from mapper.sensors.georeference import FARTHEST_M
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
-LONGEST_FRAME = 255  #: characters of a frame's name
+LONGEST_FRAME = 255  #: characters of a frame name
 _BOOLEANS = {
     **dict.fromkeys(("0", "false", "no", "off", "n"), False),
     **dict.fromkeys(("1", "true", "yes", "on", "y"), True),
@@ -31,10 +31,10 @@ _BOOLEANS = {
 
 @dataclass(frozen=True, slots=True)
 class MapDescription:
-    """Contents of the yaml: metres, radians; ``image`` is the path that the yaml states.
+    """Contents of the yaml: metres, radians; ``image`` is the stated path.
 
-    ``frame`` is the map's frame where the yaml states it, as those that :func:`mapper.io.maps.save_map` writes do.
-    ``notes`` are sentences on what in the yaml does not count, or counts otherwise than it seems.
+    ``frame`` is the map's frame if the yaml states it, as in files of :func:`mapper.io.maps.save_map`. ``notes`` are
+    sentences on values that are ignored, or interpreted differently than expected.
     """
 
     image: str
@@ -49,11 +49,11 @@ class MapDescription:
 
 
 class _Loader(UntrustedLoader):
-    most_levels = 10  # a map's yaml has two
+    most_levels = 10  # the yaml of a map has two
 
 
 def parse_description(data: bytes, limits: Limits) -> MapDescription:
-    """Return what a map's yaml says. Raises :class:`ReadError`, naming the key, and :class:`LimitError`."""
+    """Return the contents of a map's yaml. Raises :class:`ReadError`, naming the key, and :class:`LimitError`."""
     if len(data) > limits.max_yaml_bytes:
         raise LimitError(
             "map.yaml_too_large", f"The file has more than {limits.max_yaml_bytes} bytes: it is not the yaml of a map."
@@ -81,11 +81,11 @@ def parse_description(data: bytes, limits: Limits) -> MapDescription:
 
 
 def _top_level(data: bytes) -> tuple[dict[str, yaml.Node], tuple[str, ...]]:
-    """Return the values of the first document by their keys, and notes; yaml-cpp reads no other document either."""
+    """Return the values of the first document by key, and notes; yaml-cpp also reads only this document."""
     try:
         text = text_of(data)
     except UnicodeDecodeError:
-        text = data.decode("latin-1")  # yaml-cpp takes each byte of a remark as it is
+        text = data.decode("latin-1")  # yaml-cpp accepts any bytes in comments
     try:
         loader = _Loader(text)
         try:
@@ -172,7 +172,7 @@ def _negate(node: yaml.Node) -> bool:
 def _mode(node: yaml.Node | None) -> Mode:
     text = "trinary" if node is None else _scalar(node, "mode")
     for mode in get_args(Mode):
-        if text.lower() == mode:  # as nav2_map_server compares it
+        if text.lower() == mode:  # compared as in nav2_map_server
             return mode  # type: ignore[no-any-return] # get_args gives Any
     raise ReadError("map.mode", f"The map’s mode must be trinary, scale or raw, not {text!r:.40}.")
 
@@ -198,12 +198,12 @@ def _folded(name: str) -> str:
 
 
 def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
-    """Return the path of the image, and a note where it is not the one that the yaml names.
+    """Return the path of the image, and a note if it differs from the one in the yaml.
 
-    A file outside the yaml's folder is never read, whether named so or by way of a link. In place of one that is
-    outside or missing, the file of the same base name beside the yaml is taken: maps are moved together with their
-    image, and the path that the yaml states then stays that of the other computer. Without such a file, one whose name
-    differs in capitals only is taken, as on computers where those are alike. Raises :class:`ReadError`.
+    A file outside the yaml's folder is never read, whether by its path or through a link. If the stated file is outside
+    or missing, the file of the same base name next to the yaml is used: maps are moved together with their image, while
+    the path in the yaml stays that of the other computer. Without such a file, one whose name differs only in case is
+    used, as on case-insensitive file systems. Raises :class:`ReadError`.
     """
     folder = yaml_path.parent
     base = PureWindowsPath(name).name  # its separators are / and \
@@ -221,7 +221,7 @@ def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
         if has_beside and beside.resolve().is_relative_to(root):
             note = f"{beside.name!r:.80} beside the yaml is read in its place."
             return beside, f"The yaml names the image {name!r:.120}; {note}"
-    except (OSError, ValueError, RuntimeError) as error:  # a loop of links, a name that is too long
+    except (OSError, ValueError, RuntimeError) as error:  # a loop of links, or a name that is too long
         raise ReadError("map.image_missing", f"The image {name!r:.80} of the map cannot be found.") from error
     if has_beside:
         raise ReadError("map.image_outside", f"The map’s image {base!r:.80} is a link that leaves the folder.")

@@ -1,7 +1,4 @@
-"""PGM and PNG images as pieces of bytes, made from bands of whole rows: a large image is never held in memory.
-
-Source: netpbm's description of PGM; PNG specification, third edition (chunks, section 5; filter type 0, section 9).
-"""
+"""PGM and PNG images as pieces of bytes, generated from bands of rows: a large image is never held in memory."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
-PIECE_BYTES = 1 << 18  #: compressed bytes that are collected into one IDAT chunk
+PIECE_BYTES = 1 << 18  #: compressed bytes per IDAT chunk
 _GREY, _PALETTE, _GREY_ALPHA = 0, 3, 4  # colour types of PNG
 
 Bands = Iterable[NDArray[np.uint8]]
@@ -26,7 +23,7 @@ def pgm_header(shape: tuple[int, int]) -> bytes:
 
 
 def pgm_pieces(shape: tuple[int, int], bands: Bands) -> Iterator[bytes]:
-    """Yield a binary PGM of ``shape`` (rows, cols). ``bands`` (n, cols) uint8 are its rows, the top ones first."""
+    """Yield a binary PGM of ``shape`` (rows, cols). ``bands`` (n, cols) uint8 are its rows, top first."""
     yield pgm_header(shape)
     for band in bands:
         yield band.tobytes()
@@ -35,8 +32,8 @@ def pgm_pieces(shape: tuple[int, int], bands: Bands) -> Iterator[bytes]:
 def png_pieces(shape: tuple[int, int], bands: Bands, palette: bytes | None = None) -> Iterator[bytes]:
     """Yield a PNG of ``shape`` (rows, cols).
 
-    ``bands`` uint8 are its rows, the top ones first: (n, cols) grey, or indices into ``palette``, which is three bytes
-    (red, green, blue) for each index; or (n, cols, 2) grey and alpha.
+    ``bands`` uint8 are its rows, top first: (n, cols) grey, or indices into ``palette``, three bytes (red, green, blue)
+    per index; or (n, cols, 2) grey and alpha.
     """
     rows, cols = shape
     bands = iter(bands)
@@ -45,7 +42,8 @@ def png_pieces(shape: tuple[int, int], bands: Bands, palette: bytes | None = Non
     yield SIGNATURE + _chunk(b"IHDR", struct.pack(">IIBBBBB", cols, rows, 8, colour, 0, 0, 0))
     if palette is not None:
         yield _chunk(b"PLTE", palette)
-    # Filter 0 as for every palette image: differences of indices mean nothing, and maps are mostly runs.
+    # Filter 0, as recommended for palette images, because differences of indices are meaningless, and maps are mostly
+    # runs.
     compressor = zlib.compressobj()
     waiting = bytearray(compressor.compress(_filtered(first)))
     for band in bands:
@@ -57,7 +55,7 @@ def png_pieces(shape: tuple[int, int], bands: Bands, palette: bytes | None = Non
 
 
 def _filtered(band: NDArray[np.uint8]) -> bytes:
-    """Return rows as the PNG compressor takes them, each after the number of its filter."""
+    """Return rows in the form that the PNG compressor uses, each preceded by its filter number."""
     rows = band.reshape(len(band), -1)
     return np.concatenate([np.zeros((len(rows), 1), np.uint8), rows], axis=1).tobytes()
 

@@ -1,4 +1,4 @@
-"""The pixels of a map's images, in bands of whole rows from the top of the image down.
+"""Pixels of map images, in bands of rows from the top of the image down.
 
 Only one band at a time is computed, so that the extra memory does not depend on the size of the map.
 """
@@ -23,19 +23,19 @@ from mapper.grid import (
 from mapper.grid.compare import Difference, difference
 from mapper.grid.merge import on_one_lattice
 
-BAND_CELLS = 1 << 17  #: cells of one band, at least one row
+BAND_CELLS = 1 << 17  #: cells of one band, which has at least one row
 
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 RAW_UNKNOWN = 255
-UNOBSERVED_RGB = (176, 196, 222)  #: pale blue: no grey, so it is mistaken for no probability
-DIFFERENCE_RGB = ((21, 95, 158), (241, 238, 230), (166, 62, 8))  #: more free, the same, more occupied
-APART_RGB = (*(228, 224, 212), *(196, 178, 214), *(214, 200, 150))  #: observed in neither map, in a, in b only
+UNOBSERVED_RGB = (176, 196, 222)  #: pale blue instead of grey, so that it is not read as a probability
+DIFFERENCE_RGB = ((21, 95, 158), (241, 238, 230), (166, 62, 8))  #: more free, no difference, more occupied
+APART_RGB = (*(228, 224, 212), *(196, 178, 214), *(214, 200, 150))  #: observed in neither map, in a only, in b only
 
 Pixels = Iterator[NDArray[np.uint8]]
 
 
 def row_bands(shape: tuple[int, int]) -> Iterator[slice]:
-    """Yield the rows of a grid of ``shape`` (rows, cols) in image order, band by band: the highest rows first."""
+    """Yield the rows of a grid of ``shape`` (rows, cols) in image order, in bands, highest rows first."""
     rows, cols = shape
     step = max(1, BAND_CELLS // cols)
     for stop in range(rows, 0, -step):
@@ -45,10 +45,9 @@ def row_bands(shape: tuple[int, int]) -> Iterator[slice]:
 def occupancy_values(
     grid: OccupancyGrid, occupied_threshold: float = OCCUPIED_THRESHOLD, free_threshold: float = FREE_THRESHOLD
 ) -> NDArray[np.int8]:
-    """Return p_occ in per cent (rows, cols) int8, −1 where nothing was observed, as nav_msgs/OccupancyGrid has it.
+    """Return p_occ in per cent (rows, cols) int8, −1 if not observed, as in nav_msgs/OccupancyGrid.
 
-    Rounding never moves a value across a threshold: it has the same three-way state as :meth:`OccupancyGrid.classify`
-    says.
+    Rounding never moves a value across a threshold: its three-way state is that of :meth:`OccupancyGrid.classify`.
     """
     values = np.empty(grid.geometry.shape, dtype=np.int8)
     for rows in row_bands(grid.geometry.shape):
@@ -88,7 +87,7 @@ def trinary_pixels(
 
 
 def raw_pixels(grid: OccupancyGrid, occupied_threshold: float, free_threshold: float) -> Pixels:
-    """Yield (n, cols): :func:`occupancy_values`, 255 where nothing was observed."""
+    """Yield (n, cols): :func:`occupancy_values`, 255 if not observed."""
 
     def pixels(band: OccupancyGrid) -> NDArray[np.uint8]:
         values = _values(band, occupied_threshold, free_threshold)
@@ -109,7 +108,7 @@ def scale_pixels(grid: OccupancyGrid, occupied_threshold: float, free_threshold:
 
 
 def probability_pixels(grid: OccupancyGrid) -> Pixels:
-    """Yield (n, cols), indices into :data:`PROBABILITY_PALETTE`: 254 (1 − p_occ), 255 where nothing was observed."""
+    """Yield (n, cols), indices into :data:`PROBABILITY_PALETTE`: 254 (1 − p_occ), 255 if not observed."""
 
     def pixels(band: OccupancyGrid) -> NDArray[np.uint8]:
         index = np.rint(254.0 * (1.0 - probability(band.log_odds))).astype(np.uint8)
@@ -120,11 +119,11 @@ def probability_pixels(grid: OccupancyGrid) -> Pixels:
 
 
 def difference_pixels(a: OccupancyGrid, b: OccupancyGrid) -> tuple[tuple[int, int], Pixels]:
-    """Return the shape (rows, cols) of the lattice that holds both maps, and its pixels (n, cols) of ℓ_b − ℓ_a.
+    """Return the shape (rows, cols) of the lattice that contains both maps, and its pixels (n, cols) of ℓ_b − ℓ_a.
 
-    They are indices into :data:`DIFFERENCE_PALETTE`: 129 no difference, 3 … 255 the greatest one there is, more free or
-    more occupied in b, growing with the square root so that small ones are seen; 1 and 2 observed in a and in b only, 0
-    in neither. Raises as :func:`mapper.grid.compare.difference`.
+    They are indices into :data:`DIFFERENCE_PALETTE`: 129 is no difference, and 3 and 255 are the maximum difference,
+    more free or more occupied in b, on a square-root scale to show small differences; 1 and 2 are observed in a only
+    and in b only, 0 in neither. Raises the errors of :func:`mapper.grid.compare.difference`.
     """
     shape = on_one_lattice(a, b)[0].shape
 
@@ -144,7 +143,7 @@ def difference_pixels(a: OccupancyGrid, b: OccupancyGrid) -> tuple[tuple[int, in
 
 
 def _apart(difference_: Difference) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Return ℓ_b − ℓ_a where both maps have observed a cell, elsewhere 0; and where they have."""
+    """Return ℓ_b − ℓ_a where both maps have observed a cell, 0 elsewhere, and the mask of such cells."""
     known = difference_.observed_a & difference_.observed_b
     return np.where(known, difference_.log_odds, np.float32(0.0)), known
 
@@ -161,5 +160,5 @@ def _difference_palette() -> bytes:
     return bytes(APART_RGB) + bytes(np.rint(colours).astype(np.uint8))
 
 
-PROBABILITY_PALETTE = _probability_palette()  #: white is surely free, black surely occupied, pale blue unobserved
+PROBABILITY_PALETTE = _probability_palette()  #: white is certainly free, black certainly occupied, pale blue unobserved
 DIFFERENCE_PALETTE = _difference_palette()  #: blue is more free, orange more occupied, the palest neither

@@ -1,7 +1,7 @@
-"""Read maps as nav2's map_server does.
+"""Reading of maps like nav2's map_server.
 
-Source: nav2_map_server, map_io.cpp. With shade s of a pixel, 0 … 1, its occupancy is o = 1 − s, or s where the yaml
-says ``negate``; a cell's value is
+Source: nav2_map_server, map_io.cpp. The occupancy of a pixel with shade s, 0 … 1, is o = 1 − s, or s with ``negate`` in
+the yaml; a cell's value is
 
 ``trinary``  100 where o > occupied_thresh, 0 where o < free_thresh, else −1; an alpha channel counts as a fourth colour
 ``scale``    −1 where not opaque, else 100 and 0 by the same thresholds, and between them stretched over 0 … 100
@@ -39,7 +39,7 @@ from mapper.io.maps.bee import is_bee_map, read_bee_map
 from mapper.io.maps.description import MapDescription, image_path, parse_description
 from mapper.io.maps.pixels import GREY_FREE, GREY_OCCUPIED, GREY_UNKNOWN
 
-MOST_HEADER_BYTES = 1 << 17  #: with its comments: Pillow reads a header byte by byte
+MOST_HEADER_BYTES = 1 << 17  #: including comments, because Pillow reads a header byte by byte
 PLAIN = (b"P1", b"P2", b"P3")
 _NETPBM = (*PLAIN, b"P4", b"P5", b"P6")
 _BLOCK = 1 << 20
@@ -47,11 +47,11 @@ _COMMENT = re.compile(rb"#[^\r\n]*[\r\n]?")
 
 
 def open_plain_image(file: BinaryIO, named: str) -> PpmImagePlugin.PpmImageFile:
-    """Return the PGM, PBM or PPM image in ``file``; ``named`` begins the sentence of an error. Source: netpbm's pgm(5).
+    """Open the PGM, PBM or PPM image in ``file``; ``named`` is the beginning of error messages. Source: netpbm's
+    pgm(5).
 
-    Pillow's reader gets a header of limited length, and plain files without comments.
-
-    Raises :class:`LimitError` for a header longer than :data:`MOST_HEADER_BYTES`, and what Pillow raises.
+    Pillow's reader gets a header of limited length, and plain files without comments. Raises :class:`LimitError` for a
+    header longer than :data:`MOST_HEADER_BYTES`, and Pillow's errors.
     """
     head = file.read(MOST_HEADER_BYTES)
     file.seek(0)
@@ -72,7 +72,7 @@ def open_plain_image(file: BinaryIO, named: str) -> PpmImagePlugin.PpmImageFile:
             head[tile.offset - 1 : tile.offset + 1] == b"\r\n"
             and _bytes_of(image, head) == _size(file) - tile.offset - 1
         ):
-            image.tile = [tile._replace(offset=tile.offset + 1)]  # lines end as on Windows
+            image.tile = [tile._replace(offset=tile.offset + 1)]  # Windows line ends
     return image
 
 
@@ -84,19 +84,19 @@ def _size(file: BinaryIO) -> int:
 
 
 def _bytes_of(image: PpmImagePlugin.PpmImageFile, head: bytes) -> int:
-    """Return how many bytes the pixels of an image have, which is not plain."""
+    """Return the size in bytes of the pixels of an image in a binary format."""
     width, height = image.size
     if head.startswith(b"P4"):
         return (width + 7) // 8 * height
-    args: Any = image.tile[0].args  # (mode, greatest value) where pixels are scaled, else a mode
+    args: Any = image.tile[0].args  # (mode, maximum value) if pixels are scaled, else a mode
     wide = image.mode.startswith("I") or (isinstance(args, tuple) and args[1] > 255)
     return width * height * (3 if head.startswith(b"P6") else 1) * (1 + wide)
 
 
 class _WithoutComments:
-    """A file read without its comments, from # to the end of the line, in time linear in its length.
+    """A file read without its comments, from # to the end of the line, in linear time.
 
-    Pillow copies the rest of a block of 1 MB for every comment in it.
+    Pillow copies the rest of a 1 MB block for every comment in it.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -106,7 +106,7 @@ class _WithoutComments:
         self._at = 0
 
     def read(self, size: int) -> bytes:
-        """Return at most ``size`` bytes, and none only at the end."""
+        """Return at most ``size`` bytes, empty only at the end."""
         while not (data := self._window.read(size)):
             block = self._file.read(_BLOCK)
             if not block:
@@ -116,11 +116,11 @@ class _WithoutComments:
         return data
 
     def tell(self) -> int:
-        """Return how many bytes were read."""
+        """Return the number of bytes read."""
         return self._at
 
     def seek(self, offset: int) -> None:
-        """Go to ``offset``, counted without the comments."""
+        """Seek to ``offset``, not counting comments."""
         self._file.seek(0)
         self._window = io.BytesIO()
         self._in_comment = False
@@ -136,24 +136,25 @@ class _WithoutComments:
         return _COMMENT.sub(b"", block)
 
 
-#: First bytes → the reader. Not by Image.open, which refuses what has more than 179 million pixels: the cap is ours.
+#: First bytes → reader. Image.open is not used because it rejects images of more than 179 million pixels; we apply our
+#: own limit.
 _READERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
     (b"\x89PNG\r\n\x1a\n", PngImagePlugin.PngImageFile),
     (b"BM", BmpImagePlugin.BmpImageFile),
 )
-_IMAGES = (*_NETPBM, *(first for first, _ in _READERS))  #: first bytes of the images of maps
+_IMAGES = (*_NETPBM, *(first for first, _ in _READERS))  #: first bytes of map images
 _T = TypeVar("_T", bound=np.generic)
-_PIXELS_PER_BYTE = 8 * 1032  #: of one bit each, in a PNG that zlib cannot compress further
+_PIXELS_PER_BYTE = 8 * 1032  #: one bit each, in a maximally compressed PNG
 _ROWS = 256
-_SURE = 0.99  #: p_occ of a cell whose value is 100; certainty itself has no log-odds
+_SURE = 0.99  #: p_occ of a cell with the value 100, because certainty has no finite log-odds
 
 
 @dataclass(frozen=True, slots=True)
 class LoadedMap:
-    """A map file: the grid, and what its yaml said.
+    """A map file: the grid, and the contents of its yaml.
 
     ``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown. In ``grid`` a value v is
-    p_occ = v/100, kept within 0.01 … 0.99, and −1 is a cell never observed.
+    p_occ = v/100, limited to 0.01 … 0.99, and −1 is a cell never observed.
     """
 
     grid: OccupancyGrid
@@ -163,11 +164,10 @@ class LoadedMap:
 
 
 def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> LoadedMap:
-    """Return the map that a yaml describes, or a map of CMU's course; its image is PGM, PNG or BMP in the same folder.
+    """Return the map described by a yaml, or a map of CMU's course; its image is PGM, PNG or BMP in the same folder.
 
-    An image that the yaml names elsewhere is that of the same base name beside the yaml, with a note.
-
-    Raises :class:`ReadError`, naming the key or the image, and :class:`LimitError`, before anything large is decoded.
+    For an image elsewhere, that of the same base name next to the yaml is used, with a note. Raises :class:`ReadError`,
+    naming the key or the image, and :class:`LimitError`, before anything large is decoded.
     """
     path = Path(yaml_path)
     if is_bee_map(path):
@@ -194,7 +194,7 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
 
 
 def grid_of_values(geometry: GridGeometry, values: NDArray[np.int8]) -> OccupancyGrid:
-    """Return the grid whose values (rows, cols) are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown."""
+    """Return the grid with these nav_msgs/OccupancyGrid values (rows, cols): 0 … 100, −1 unknown."""
     grid = OccupancyGrid(geometry)
     grid.observed = values != UNKNOWN
     of_value = log_odds(np.clip(np.arange(101) / 100.0, 1.0 - _SURE, _SURE)).astype(np.float32)
@@ -214,10 +214,10 @@ def _loaded_bee(path: Path, limits: Limits) -> LoadedMap:
 def _note_on_unknown(
     sums: NDArray[np.uint16], n_channels: int, description: MapDescription, *, has_alpha: bool
 ) -> str | None:
-    """Return a sentence where pixels of the grey that map_saver writes for unknown count as something that is known."""
+    """Return a sentence if pixels with map_saver's grey for unknown are interpreted as known."""
     if description.mode == "raw" or description.negate:
         return None
-    # Of four channels, the fourth is an opaque alpha; none stands for one of 16 bits.
+    # Of four channels, the fourth is an opaque alpha; no channels mean 16 bits.
     grey, brightest = {
         0: (257 * GREY_UNKNOWN, 65535),
         4: (3 * GREY_UNKNOWN + 255, 4 * 255),
@@ -226,7 +226,7 @@ def _note_on_unknown(
     if description.mode == "scale":
         greys = [shade * grey // GREY_UNKNOWN for shade in (GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE)]
         if has_alpha or not np.any(sums == grey) or not np.isin(sums, greys).all():
-            return None  # of a probability it is one shade among others
+            return None  # it is an ordinary shade of a probability
         return (
             f"The image has the three greys of map_saver, of which {GREY_UNKNOWN} says unknown, but in mode scale only "
             "an alpha channel does: it counts as known here. State mode: trinary to keep it unknown."
@@ -246,7 +246,9 @@ def _note_on_unknown(
 def _shades(
     path: Path, description: MapDescription, limits: Limits
 ) -> tuple[NDArray[np.uint16], int, NDArray[np.bool_] | None]:
-    """Return the sum of each pixel's channels, their number (0: one channel of 16 bits), and which are opaque."""
+    """Return the sum of each pixel's channels, their number (0: one channel of 16 bits), and which pixels are
+    opaque.
+    """
     named = f"The map’s image {path.name!r}"
     try:
         size = path.stat().st_size
@@ -298,7 +300,7 @@ def _channel_sums(
 def _values(
     sums: NDArray[np.uint16], n_channels: int, opaque: NDArray[np.bool_] | None, description: MapDescription
 ) -> NDArray[np.int8]:
-    """Return nav_msgs values (height, width) int8 in image order, by a table over all sums there can be."""
+    """Return nav_msgs values (height, width) int8 in image order, using a table over all possible sums."""
     brightest = 255 * n_channels if n_channels else 65535
     shade = np.arange(brightest + 1) / brightest
     occupancy = shade if description.negate else 1.0 - shade
@@ -317,7 +319,7 @@ def _values(
 
 
 def _look_up(table: NDArray[_T], index: NDArray[Any], out: NDArray[_T]) -> NDArray[_T]:
-    """Put ``table[index]`` into ``out``, a few rows at a time: NumPy converts each index to eight bytes."""
+    """Write ``table[index]`` into ``out``, a few rows at a time, because NumPy converts each index to eight bytes."""
     for row in range(0, len(index), _ROWS):
         out[row : row + _ROWS] = table[index[row : row + _ROWS]]
     return out

@@ -1,14 +1,14 @@
-"""Write maps as nav2's map_saver does: an image and the yaml that describes it.
+"""Writing of maps like nav2's map_saver: an image and the yaml that describes it.
 
 Source: nav2_map_server, map_io.cpp. The modes:
 
 ``trinary``  a PGM of three greys: 0 occupied, 254 free, 205 unknown
-``scale``    a PNG, grey (100 − v) % for a value v of 0 … 100, transparent where nothing was observed
-``raw``      a PGM whose grey is the value 0 … 100 itself, 255 where nothing was observed
+``scale``    a PNG, grey (100 − v) % for a value v of 0 … 100, transparent if not observed
+``raw``      a PGM with the value 0 … 100 as grey, 255 if not observed
 
-The thresholds of the three states are p_occ 0.65 and 0.25. A trinary yaml states 0.65 and 0.196 all the same, as
-map_saver's does: its reader takes grey 205 for an occupancy of (255 − 205) / 255 = 0.196, so that any higher
-``free_thresh`` would turn the unknown free. A scale yaml states 1 and 0, between which the reader stretches the greys.
+The thresholds of the three states are p_occ 0.65 and 0.25. A trinary yaml nevertheless states 0.65 and 0.196, like
+map_saver's: its reader interprets grey 205 as an occupancy of (255 − 205) / 255 = 0.196, so any higher ``free_thresh``
+would turn unknown into free. A scale yaml states 1 and 0, between which the reader stretches the greys.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from mapper.sensors.georeference import NO_OFFSET, Offset
 
 Mode = Literal["trinary", "scale", "raw"]
 
-#: (occupied_thresh, free_thresh) that a yaml of each mode states, so that what is read is what was written
+#: (occupied_thresh, free_thresh) stated by a yaml of each mode, so that reading restores what was written
 STATED_THRESHOLDS: dict[Mode, tuple[float, float]] = {
     "trinary": (OCCUPIED_THRESHOLD, 0.196),
     "scale": (1.0, 0.0),
     "raw": (OCCUPIED_THRESHOLD, FREE_THRESHOLD),
 }
-FRAME_KEY = "gridbloom_frame"  #: of the yaml, which by itself has no place for the map's frame
+FRAME_KEY = "gridbloom_frame"  #: in the yaml, which has no standard key for the map's frame
 _PLAIN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9._-]*\Z")
 
 
@@ -54,9 +54,10 @@ def pgm_bytes(
 
 
 def png_bytes(grid: OccupancyGrid) -> bytes:
-    """Return a picture of p_occ: white is surely free, black surely occupied, pale blue never observed. Top row first.
+    """Return a picture of p_occ: white is certainly free, black certainly occupied, pale blue never observed. Top row
+    first.
 
-    It is to be looked at, not to be read back.
+    It is for viewing, not for reading back.
     """
     return b"".join(png_pieces(grid.geometry.shape, probability_pixels(grid), PROBABILITY_PALETTE))
 
@@ -67,7 +68,7 @@ def image_pieces(
     free_threshold: float = FREE_THRESHOLD,
     mode: Mode = "trinary",
 ) -> Iterator[bytes]:
-    """Return the image of a map of ``mode`` in pieces, a band of rows at a time: a PGM, in mode scale a PNG."""
+    """Return the image of a map of ``mode`` in pieces, one band of rows at a time: a PGM, or a PNG in mode scale."""
     shape = grid.geometry.shape
     if mode == "trinary":
         return pgm_pieces(shape, trinary_pixels(grid, occupied_threshold, free_threshold))
@@ -88,10 +89,9 @@ def yaml_text(
 ) -> str:
     """Return the yaml of an image in its folder: resolution in m, origin as pose (x, y, yaw) of the lower-left corner.
 
-    The thresholds are those to read the image with, not those it was made with: :data:`STATED_THRESHOLDS` unless given.
-    ``frame`` is the map's frame (None: not stated). It has a key of its own, :data:`FRAME_KEY`; map_server and
-    Nav2 read the keys that they know and ignore others. ``offset`` (x, y) is added to the origin: that of the
-    trajectory of a georeferenced log.
+    The thresholds are those for reading the image, not those it was made with, by default :data:`STATED_THRESHOLDS`.
+    ``frame`` is the map's frame (None: not stated). It has a separate key, :data:`FRAME_KEY`; map_server and Nav2
+    ignore unknown keys. ``offset`` (x, y) is added to the origin: that of the trajectory of a georeferenced log.
     """
     stated = STATED_THRESHOLDS[mode]
     occupied = stated[0] if occupied_thresh is None else occupied_thresh
@@ -110,13 +110,13 @@ def _word(text: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Return a word in quotes, with escapes for what YAML forbids, and for what turns or breaks the line."""
+    """Return a word in quotes, with escapes for characters that YAML forbids or that break or reverse the line."""
     quoted = json.dumps(text, ensure_ascii=False)
     return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in quoted)
 
 
 def _number(value: float) -> str:
-    """Return a number as every YAML has it: for YAML 1.1 ``1e-05`` is a word, and ``1.0e-05`` the number."""
+    """Return a number that every YAML version parses: in YAML 1.1 ``1e-05`` is a string, and ``1.0e-05`` a number."""
     text = repr(float(value))
     return text if "." in text else text.replace("e", ".0e")
 
@@ -132,9 +132,8 @@ def save_map(
 ) -> tuple[Path, Path]:
     """Write ``prefix.yaml`` and its image, ``prefix.pgm`` (``prefix.png`` in mode scale); return both paths.
 
-    ``frame`` is the frame that the map is in, where it is known, and ``offset`` that of its coordinates. Folders are
-    made. Each file appears whole or not at all, the image before the yaml. Raises :class:`ConfigError` where a file
-    cannot be written.
+    ``frame`` is the map's frame, if known, and ``offset`` that of its coordinates. Folders are created. Each file is
+    written atomically, the image before the yaml. Raises :class:`ConfigError` if a file cannot be written.
     """
     base = Path(prefix)
     if not base.name:

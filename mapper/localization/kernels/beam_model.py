@@ -1,4 +1,4 @@
-"""The beam range finder model: each beam cast through the map, its reading compared with what it should read.
+"""Beam range finder model: each beam is cast through the map and its reading compared with the expected range.
 
 Numba twin of :func:`mapper.localization.textbook.beam_range_finder_model`.
 """
@@ -17,9 +17,9 @@ _to_lattice = jit(to_lattice)
 
 @jit
 def _expected_range(cells: OccupiedCells, x: float, y: float, bearing: float, range_max: float) -> float:
-    """Return the distance to where a beam enters the first occupied cell, at most ``range_max``, metres.
+    """Return the distance at which a beam enters the first occupied cell, at most ``range_max``, metres.
 
-    Source of the traversal: Amanatides and Woo 1987. A beam that starts in an occupied cell has range 0.
+    Traversal: Amanatides and Woo 1987. A beam that starts in an occupied cell has range 0.
     """
     rows, cols = cells.occupied.shape
     u, v = _to_lattice(x, y, cells.frame)
@@ -64,10 +64,10 @@ def weigh_by_beams(
     last: int,
     out: Float64Array,
 ) -> None:
-    """Write into ``out`` (n,) Σ log p(z | x, m) over the beams, for the poses [first, last) of ``poses`` (n, 3).
+    """Write Σ log p(z | x, m) over the beams into ``out`` (n,), for the poses [first, last) of ``poses`` (n, 3).
 
-    ``beams`` (k, 2) are range, at most ``range_max``, and bearing in the base's frame; ``sensor`` (2,) is where they
-    start in it.
+    ``beams`` (k, 2) are range, at most ``range_max``, and bearing in the base's frame; ``sensor`` (2,) is their origin
+    in it.
     """
     z_top = mixture.range_max
     for i in range(first, last):

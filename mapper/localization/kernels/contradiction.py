@@ -1,4 +1,4 @@
-"""Readings that a map does not explain at a pose: beams that go on behind a wall, and such as end before one.
+"""Readings that a map does not explain at a pose: beams that pass through a wall, or end before one.
 
 Numba twin of :func:`mapper.localization.textbook.count_unexplained`.
 """
@@ -25,9 +25,9 @@ def count_unexplained(
 ) -> tuple[int, int]:
     """Return how many readings are longer, and how many shorter, than the map allows at ``pose`` (3,).
 
-    The map allows the ranges from ``margin`` metres below the shortest to as much above the longest of three expected
-    ones: of the beam, and of those turned by ``turn`` radians to either side. ``beams`` (k, 2) are range, at most
-    ``range_max``, and bearing in the base's frame; ``sensor`` (2,) is where they start in it.
+    The map allows ranges from ``margin`` metres below the minimum to ``margin`` above the maximum of three expected
+    ranges: of the beam, and of the beam rotated by ``turn`` radians to either side. ``beams`` (k, 2) are range, at most
+    ``range_max``, and bearing in the base's frame; ``sensor`` (2,) is their origin in it.
     """
     c, s = cos(pose[2]), sin(pose[2])
     x = pose[0] + c * sensor[0] - s * sensor[1]
@@ -35,7 +35,7 @@ def count_unexplained(
     longer, shorter = 0, 0
     for b in range(beams.shape[0]):
         z = beams[b, 0]
-        far = min(range_max, z + 2.0 * margin)  # a range beyond that is as good as this one
+        far = min(range_max, z + 2.0 * margin)  # a longer range is equivalent to this one
         bearing = pose[2] + beams[b, 1]
         shortest = longest = _expected_range(cells, x, y, bearing, far)
         if longest + margin >= z >= shortest - margin:

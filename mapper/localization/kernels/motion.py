@@ -1,12 +1,11 @@
-"""Particles moved by noisy odometry, and particles drawn uniformly from free space.
+"""Particle motion by noisy odometry, and particles drawn uniformly from free space.
 
 Numba twins of :func:`mapper.localization.textbook.sample_motion_model_odometry` and of its omnidirectional variant.
-
-Random numbers are a function of a key and a counter, so that they do not depend on which thread draws them. Each is a
-hash of its counter: two rounds of a 32-bit integer hash with two multiplications, each with half of the key. The hash
-is one that C. Wellons' search for hashes with little bias found. Source of the idea: Salmon et al. 2011, Parallel
-random numbers: as easy as 1, 2, 3. Normal deviates are the inverse of the normal distribution (Wichura 1988, algorithm
-AS 241, PPND7, error below 1e-6).
+Random numbers are a function of a key and a counter, so that they do not depend on the thread that draws them. Each is
+a hash of its counter: two rounds of a 32-bit integer hash with two multiplications, each with half of the key. The hash
+was found by C. Wellons' search for low-bias hashes. Source of the idea: Salmon et al. 2011, Parallel random numbers: as
+easy as 1, 2, 3. Normal deviates are the inverse of the normal distribution (Wichura 1988, algorithm AS 241, PPND7,
+error below 1e-6).
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ def _uniform(key: int, counter: int) -> float:
 
 @jit
 def _normal(p: float) -> float:
-    """Return the value that a standard normal variate does not exceed with probability ``p``, 0 < p < 1."""
+    """Return the standard normal quantile of ``p``, 0 < p < 1."""
     q = p - 0.5
     if abs(q) <= 0.425:
         r = 0.180625 - q * q
@@ -61,9 +60,9 @@ def _normal(p: float) -> float:
 
 @jit
 def move_particles(poses: Float64Array, motion: Motion, key: int, first: int, last: int) -> None:
-    """Move the particles [first, last) of ``poses`` (n, 3) in place, each with errors of its own.
+    """Move the particles [first, last) of ``poses`` (n, 3) in place, each with independent noise.
 
-    The errors depend on ``key`` and the particle's number only. Angles come back in [−π, π).
+    The noise depends only on ``key`` and the particle's index. Angles are wrapped to [−π, π).
     """
     for i in range(first, last):
         e_1 = motion.sigma_1 * _normal(_uniform(key, 3 * i))
@@ -88,10 +87,10 @@ def move_particles(poses: Float64Array, motion: Motion, key: int, first: int, la
 def draw_uniform(
     free_cells: Int64Array, cols: int, frame: Frame, key: int, poses: Float64Array, first: int, last: int
 ) -> None:
-    """Write poses [first, last) of ``poses`` (n, 3): uniform over the free cells and over all headings.
+    """Write poses [first, last) of ``poses`` (n, 3), uniform over the free cells and all headings.
 
     ``free_cells`` (m,) are row · ``cols`` + column. The cells are stratified: particle i of n is drawn from the i-th of
-    n equal shares of them.
+    n equal parts of them.
     """
     n, m = poses.shape[0], free_cells.shape[0]
     for i in range(first, last):

@@ -1,8 +1,4 @@
-"""Low-variance resampling, and how many bins of poses the particles fill.
-
-Numba twins of :func:`mapper.localization.textbook.low_variance_sampler` and of the bins of
-:func:`mapper.localization.textbook.kld_sampling_mcl`.
-"""
+"""Low-variance resampling, and the pose bins that particles fill."""
 
 from __future__ import annotations
 
@@ -20,9 +16,9 @@ _HALF = 1 << 20  #: bins to each side of 0 along an axis
 
 @jit
 def low_variance(weights: Float64Array, first: float, out: Int64Array) -> None:
-    """Write into ``out`` (m,) which of the particles with ``weights`` (n,), Σ = 1, are drawn; 0 ≤ first < 1/m.
+    """Write the indices of particles drawn by ``weights`` (n,), Σ = 1, into ``out`` (m,); 0 ≤ first < 1/m.
 
-    Source: Probabilistic Robotics, table 4.4, with the number drawn not that of the particles.
+    Source: Probabilistic Robotics, table 4.4, with m independent of the number of particles.
     """
     n, m = weights.shape[0], out.shape[0]
     total, i = weights[0], 0
@@ -36,7 +32,7 @@ def low_variance(weights: Float64Array, first: float, out: Int64Array) -> None:
 
 @jit
 def _bin_of(poses: Float64Array, i: int, bins: Bins) -> int:
-    """Return the bin of pose i as one number: 21 bits each for x, y and the angle."""
+    """Return the bin of pose i packed into one integer: 21 bits each for x, y and the angle."""
     a = floor(poses[i, 0] / bins.side) + _HALF
     b = floor(poses[i, 1] / bins.side) + _HALF
     c = floor(poses[i, 2] / bins.turn) + _HALF
@@ -45,7 +41,7 @@ def _bin_of(poses: Float64Array, i: int, bins: Bins) -> int:
 
 @jit
 def _slot_of(key: int, mask: int) -> int:
-    """Return where the search for ``key`` begins in a table of mask + 1 places."""
+    """Return the first slot for ``key`` in a table of mask + 1 slots."""
     low = (key ^ (key >> 21) ^ (key >> 42)) & 0x1FFFFF
     high = (key >> 30) & 0x1FFFFF
     mixed = low * 0x9E3779 + high * 0x85EBCA
@@ -56,17 +52,17 @@ def _slot_of(key: int, mask: int) -> int:
 def fill_bins(
     poses: Float64Array, chosen: Int64Array, bins: Bins, table: Int64Array, numbers: Int64Array, out: Int64Array
 ) -> int:
-    """Number the bins that the particles ``chosen`` (m,) of ``poses`` (n, 3) fill, in the order in which they come.
+    """Number the bins filled by the particles ``chosen`` (m,) of ``poses`` (n, 3), in order of occurrence.
 
-    ``out`` (m,) is the number of each one's bin. ``table`` and ``numbers`` (2^k,) with 2^k ≥ 2 m are filled: the bins'
-    keys, −1 where there is none, and their numbers. Returns how many bins there are.
+    ``out`` (m,) is the bin number of each. ``table`` and ``numbers`` (2^k,) with 2^k ≥ 2 m are filled with the bins'
+    keys, −1 for empty slots, and their numbers. Returns the number of bins.
     """
     mask = table.shape[0] - 1
     table[:] = _EMPTY
     count, last, number = 0, _EMPTY, 0
     for j in range(chosen.shape[0]):
         key = _bin_of(poses, chosen[j], bins)
-        if key != last:  # neighbours in the list are often copies of one particle
+        if key != last:  # consecutive entries are often copies of one particle
             last = key
             place = _slot_of(key, mask)
             while table[place] != _EMPTY and table[place] != key:
@@ -90,9 +86,9 @@ def _find(parents: Int64Array, i: int) -> int:
 
 @jit
 def join_bins(table: Int64Array, numbers: Int64Array, turns: int, out: Int64Array) -> int:
-    """Write into ``out`` (k,) the number of the cluster of each of k bins; return how many clusters there are.
+    """Write the cluster number of each of k bins into ``out`` (k,); return the number of clusters.
 
-    Bins are connected where x, y and the angle's bin differ by at most one; the angle goes round after ``turns`` bins.
+    Bins are connected if x, y and the angle's bin differ by at most one; the angle wraps around after ``turns`` bins.
     Clusters are numbered by their first bins.
     """
     mask, count = table.shape[0] - 1, out.shape[0]
@@ -121,7 +117,7 @@ def join_bins(table: Int64Array, numbers: Int64Array, turns: int, out: Int64Arra
         if out[i] == i:
             out[i] = clusters
             clusters += 1
-        else:  # a bin before this one, whose number is final
+        else:  # an earlier bin, whose number is final
             out[i] = out[out[i]]
     return clusters
 

@@ -18,10 +18,10 @@ from mapper.localization.kernels.types import ScoreField
 def score_poses(
     field: ScoreField, points: Float64Array, poses: Float64Array, first: int, last: int, out: Int64Array
 ) -> None:
-    """Write into ``out`` (n,) the sum of the field's scores under the end points, for the poses [first, last).
+    """Write the sum of the field's scores at the endpoints into ``out`` (n,), for the poses [first, last).
 
-    ``points`` (k, 2) are the end points in the base's frame, metres; ``poses`` (n, 3) are ``T_map_base``. The sums are
-    of whole numbers: their order does not matter.
+    ``points`` (k, 2) are the endpoints in the base's frame, metres; ``poses`` (n, 3) are ``T_map_base``. The sums are
+    of integers, so their order does not matter.
     """
     scores, frame = field.scores, field.frame
     rows, cols = scores.shape

@@ -9,10 +9,10 @@ from mapper.grid.kernels.lattice import Frame
 
 
 class ScoreField(NamedTuple):
-    """A likelihood field: what an end point in each cell adds to the score of a pose.
+    """A likelihood field: the score that an endpoint in each cell adds to a pose.
 
-    ``scores`` (rows, cols) uint16 are in units that :class:`mapper.localization.likelihood_field.LikelihoodField`
-    knows; that of an end point outside the grid is 0.
+    ``scores`` (rows, cols) uint16 are in the units of :class:`mapper.localization.likelihood_field.LikelihoodField`; an
+    endpoint outside the grid scores 0.
     """
 
     scores: UInt16Array
@@ -20,17 +20,17 @@ class ScoreField(NamedTuple):
 
 
 class OccupiedCells(NamedTuple):
-    """The cells (rows, cols) in which a beam ends, and where they lie in the map."""
+    """The occupied cells (rows, cols), in which beams end, and their frame in the map."""
 
     occupied: BoolArray
     frame: Frame
 
 
 class Motion(NamedTuple):
-    """A motion by odometry: turn, drive, turn, and the standard deviations of their errors.
+    """An odometry motion: turn, drive, turn, and the standard deviations of their errors.
 
-    ``omni`` is 1 for a robot that moves sideways too: ``turn_1`` is then the direction in which it moves, without an
-    error of its own; ``sigma_1`` is that of the sideways error, metres.
+    ``omni`` is 1 for a robot that also moves sideways: ``turn_1`` is then the direction of motion, without an error;
+    ``sigma_1`` is that of the sideways error, metres.
     """
 
     turn_1: float  #: rad
@@ -43,7 +43,7 @@ class Motion(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """The four parts of the beam model, and the ranges that are measured."""
+    """The four components of the beam model, and the range limits."""
 
     z_hit: float
     z_short: float
@@ -55,7 +55,7 @@ class Mixture(NamedTuple):
 
 
 class Bins(NamedTuple):
-    """Sides of the bins of poses that KLD sampling counts and clusters are made of."""
+    """Sizes of the pose bins used for KLD sampling and clustering."""
 
     side: float  #: m
     turn: float  #: rad

@@ -1,8 +1,8 @@
-"""The per-beam update along exact rays: every cell that the segment from the sensor to the reading crosses.
+"""Per-beam update along exact rays: every cell crossed by the segment from the sensor to the reading.
 
 Numba twin of :func:`mapper.mapping.textbook.update_per_beam` with Amanatides and Woo's traversal, in the two passes of
-:mod:`mapper.mapping.kernels.bresenham`. A ray has one cell more for each border that it crosses, so it is traversed
-from its start.
+:mod:`mapper.mapping.kernels.bresenham`. A ray is always traversed from its start, because its next cell depends on the
+borders crossed before.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate, Reading
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
-#: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and by how
-#: much on either side of z a centre counts as hit. For a beam without return z is +inf; for one that is ignored, NaN.
+#: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and the
+#: half width around z in which a centre counts as hit. z is +inf for a beam without return and NaN for an ignored beam.
 U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF = range(8)
 RAY_FIELDS = 8
 
@@ -38,10 +38,10 @@ def plan_rays(
     work: Float64Array,
     box: Int64Array,
 ) -> None:
-    """Write the ray of each beam, scan after scan.
+    """Write the ray of each beam, scan by scan.
 
-    As :func:`mapper.mapping.kernels.bresenham.plan_lines`, but the rows from ``first`` of ``rays`` (n, 8) float64 are
-    written.
+    Like :func:`mapper.mapping.kernels.bresenham.plan_lines`, but writes the rows of ``rays`` (n, 8) float64 from
+    ``first`` on.
     """
     ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     range_min, range_max, window, growth, no_return_free = reading_filter
@@ -87,15 +87,15 @@ def _draw(
     cells: Cells, rays: Float64Array, resolution: float, smooth: bool, evidence: Evidence,
     log_odds_update: LogOddsUpdate, row_low: int, row_high: int, box: Int64Array, mark: bool, hits: Int64Array,
 ) -> tuple[int, int]:  # fmt: skip
-    """Add what rays say, as :func:`draw_rays`; or, with room in ``hits``, write there which cells they hit.
+    """Add the evidence of rays, as in :func:`draw_rays`, or list the cells that they hit if ``hits`` has room.
 
-    Return the number of cell updates and that of the cells written.
+    Return the number of cell updates and the number of cells written to ``hits``.
     """
     log_odds, observed, cols = cells
     lists = len(hits) > 0
     n_hits = 0
     miss, hit, low, high = _without_minus_zero(log_odds_update)
-    # Kept in registers: the boxes of two threads share a cache line (false sharing).
+    # Local copies, because the boxes of two threads may share a cache line (false sharing).
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     for j in range(rays.shape[0]):
@@ -170,10 +170,11 @@ def draw_rays(
     box: Int64Array,
     mark: bool,
 ) -> int:
-    """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+    """Add the evidence of ``rays`` (n, 8) to the rows [row_low, row_high) of the grid; return the number of cell
+    updates.
 
-    The other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`; ``resolution`` is metres a
-    cell. With ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
+    The other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`; ``resolution`` is in metres
+    per cell. With ``smooth`` the evidence in the window is a ramp from ``evidence``'s miss to its hit.
     """
     none = np.empty(0, dtype=np.int64)
     if len(scan_ends) == 0:
@@ -181,14 +182,14 @@ def draw_rays(
             cells, rays, resolution, smooth, evidence, log_odds_update, row_low, row_high, box, mark, none
         )  # fmt: skip
         return count
-    own = box.copy()  # the boxes of two threads share a cache line (false sharing)
+    own = box.copy()  # a copy, because the boxes of two threads may share a cache line (false sharing)
     first, count = 0, 0
     for end in scan_ends:
         part = rays[first:end]
         room = len(part)
         for j in range(len(part)):
             if not isnan(part[j, Z]):
-                room += int(4.0 * part[j, HALF] / resolution) + 8  # more than the window has cells
+                room += int(4.0 * part[j, HALF] / resolution) + 8  # more than the cells in the window
         hits = np.empty(room, dtype=np.int64)
         _, n = _draw(cells, part, resolution, smooth, evidence, log_odds_update, row_low, row_high, own, mark, hits)
         held = _add_hits(cells.log_odds, hits[:n], log_odds_update)
@@ -208,8 +209,7 @@ def _crosses(u: float, v: float, end_u: float, end_v: float, at_row: int, at_col
         return False
     s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
     ahead_row, ahead_col = (1 if s_row > 0 else 0), (1 if s_col > 0 else 0)
-    # It enters the row before it leaves the column, and the column before it leaves the row. At an equal t the row's
-    # border is crossed first.
+    # The ray enters the row before it leaves the column, and vice versa. At equal t the row's border is crossed first.
     enter_row = (at_row - s_row + ahead_row - v) / d_v if at_row != row else -inf
     leave_row = (at_row + ahead_row - v) / d_v if at_row != end_row else inf
     enter_col = (at_col - s_col + ahead_col - u) / d_u if at_col != col else -inf

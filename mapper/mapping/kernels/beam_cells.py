@@ -1,7 +1,7 @@
-"""The cells that beams cross, listed with their distances, for models that are evaluated outside the kernels.
+"""Lists of the cells that beams cross, with distances, for sensor models evaluated outside the kernels.
 
-The cells and their order are those of :func:`mapper.mapping.kernels.bresenham.draw_lines` and
-:func:`mapper.mapping.kernels.amanatides_woo.draw_rays`: beam after beam, the cell that holds a beam's endpoint last.
+Cells and order are those of :func:`mapper.mapping.kernels.bresenham.draw_lines` and
+:func:`mapper.mapping.kernels.amanatides_woo.draw_rays`: beam by beam, the cell with the beam's endpoint last.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ def cells_of_lines(
     beams: Int64Array,
     s: Float64Array,
 ) -> int:
-    """List the cells of ``lines`` (9, n_beams), as :func:`mapper.mapping.kernels.bresenham.plan_lines` wrote them;
-    return how many.
+    """List the cells of ``lines`` (9, n_beams) written by :func:`mapper.mapping.kernels.bresenham.plan_lines`.
 
-    ``z`` (n_beams,) metres are the readings, +inf for no return; (u, v) is the sensor in lattice coordinates; cells
-    outside the grid of ``shape`` (rows, cols) are left out. Written, each (m,): ``cells``, row · cols + col; ``beams``,
-    the beam; ``s``, metres from the sensor to the cell's centre, and z for the cell that holds the endpoint.
+    Return the number of cells. ``z`` (n_beams,) metres are the readings, +inf for no return; (u, v) is the sensor in
+    lattice coordinates. Cells outside the grid of ``shape`` (rows, cols) are omitted. Written, each (m,): ``cells``,
+    row · cols + col; ``beams``, the beam index; ``s``, metres from the sensor to the cell's centre, or z for the cell
+    that holds the endpoint.
     """
     rows, cols = shape
     count = 0
@@ -73,9 +73,9 @@ def cells_of_rays(
     beams: Int64Array,
     s: Float64Array,
 ) -> int:
-    """List the cells of ``rays`` (n_beams, 8), as :func:`mapper.mapping.kernels.amanatides_woo.plan_rays` wrote them.
+    """List the cells of ``rays`` (n_beams, 8) written by :func:`mapper.mapping.kernels.amanatides_woo.plan_rays`.
 
-    The rest is as in :func:`cells_of_lines`.
+    Otherwise like :func:`cells_of_lines`.
     """
     rows, cols = shape
     count = 0
@@ -122,7 +122,7 @@ def add_increments(
     low: np.float32,
     high: np.float32,
 ) -> None:
-    """Add ``increments`` (m,) to the ``cells`` (m,) of the flat arrays one after another, each clamped, in float32."""
+    """Add ``increments`` (m,) to ``cells`` (m,) of the flat arrays in order, clamping after each, in float32."""
     for i in range(len(cells)):
         cell = cells[i]
         log_odds[cell] = min(max(log_odds[cell] + increments[i], low), high)

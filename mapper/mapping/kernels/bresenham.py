@@ -1,13 +1,13 @@
-"""The per-beam update: Bresenham's line from the sensor's cell to the reading's, for whole batches of scans.
+"""Per-beam update along Bresenham's line from the sensor's cell to the reading's, for batches of scans.
 
-Numba twin of :func:`mapper.mapping.textbook.update_per_beam`, in two passes. :func:`plan_lines` says for each beam
-which line it is and which of its cells are passed and which are hit. :func:`draw_lines` adds the evidence, in the order
-of the beams, to a band of the grid's rows: threads that draw one band each write to different cells and give,
-bit for bit, the result of one thread.
+Numba twin of :func:`mapper.mapping.textbook.update_per_beam`, in two passes. :func:`plan_lines` computes the line of
+each beam and which of its cells are passed and which are hit. :func:`draw_lines` adds the evidence, in the order of the
+beams, to a band of the grid's rows. Threads that draw one band each write to different cells, and the result equals
+that of one thread, bit for bit.
 
-A line's cells are not stepped through with an error term but computed: after i steps along the major axis Bresenham's
-1965 rule has made ``(2·i·minor + major) // (2·major)`` steps along the minor one, so drawing can start at
-any step of a line.
+A line's cells are computed in closed form, without an error term: after i steps along the major axis, Bresenham's 1965
+rule has made ``(2·i·minor + major) // (2·major)`` steps along the minor one, so drawing can start at any step of a
+line.
 """
 
 from __future__ import annotations
@@ -28,31 +28,31 @@ _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
 #: A planned line: start cell, last cell, the number of its first cells that are passed (``near``), the number of its
-#: first cells that are passed or hit (``far``; 0: none, the beam is ignored), the step at which it visits the
-#: endpoint's cell (−1: never), that cell (−1, −1: none is hit).
+#: first cells that are passed or hit (``far``; 0: the beam is ignored), the step at which it visits the endpoint's cell
+#: (−1: never), and that cell (−1, −1: none is hit).
 ROW, COL, END_ROW, END_COL, NEAR, FAR, AT, HIT_ROW, HIT_COL = range(9)
 LINE_FIELDS = 9
 
-# Steps along the minor axis in fixed point: with 40 bits of fraction the rounding error of the slope, multiplied by the
-# number of steps, stays below half of 1 / major, the least that tells two of Bresenham's decisions apart.
+# Steps along the minor axis in fixed point. With 40 fraction bits the rounding error of the slope, multiplied by the
+# number of steps, stays below half of 1 / major, the smallest difference between two of Bresenham's decisions.
 _BITS = 40
 _HALF = 1 << (_BITS - 1)
-MAX_STEPS = 1 << 19  #: the longest line, in cells, for which that holds
-_FAR_OUT = 1 << 30  # cells: no line from beyond comes near a grid, and all others fit int32
+MAX_STEPS = 1 << 19  #: longest line, in cells, for which that holds
+_FAR_OUT = 1 << 30  # cells: no line from beyond comes near a grid, and all others fit into int32
 
 
 @jit
 def _slope(major: int, minor: int) -> int:
-    """Return the steps along the minor axis for one along the major axis, in fixed point, rounded up."""
+    """Return the minor-axis steps per major-axis step, in fixed point, rounded up."""
     steps = uint64(max(major, 1))
     return int(((uint64(minor) << uint64(_BITS)) + steps - uint64(1)) // steps)
 
 
 @jit
 def _is_within(d_u: float, d_v: float, limit: float, resolution: float, inclusive: bool) -> bool:
-    """Return whether √(d_u² + d_v²) · resolution < ``limit``, which is not negative, or with ``inclusive`` equal to it.
+    """Return whether √(d_u² + d_v²) · resolution < ``limit`` (≥ 0), or ≤ with ``inclusive``.
 
-    The root is taken only where the squares are so close that rounding may decide.
+    The root is computed only if the squares are so close that rounding may decide.
     """
     square = d_u * d_u + d_v * d_v
     apart = square * (resolution * resolution) - limit * limit
@@ -65,10 +65,10 @@ def _is_within(d_u: float, d_v: float, limit: float, resolution: float, inclusiv
 @jit
 def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int, slope: int, length: float,
              limit: float, resolution: float, inclusive: bool) -> int:  # fmt: skip
-    """Return how many cells at the start of a line have their centre nearer to (u, v) than ``limit`` metres.
+    """Return the number of cells at the start of a line with centres nearer to (u, v) than ``limit`` metres.
 
-    Along a line that starts in the cell of (u, v) the distance never falls: the search starts at an
-    estimate and steps to the border. ``slope`` is that of :func:`_slope`, ``length`` of the line in cells, at least 1.
+    Along a line that starts in the cell of (u, v) the distance never decreases, so the search starts at an estimate and
+    steps to the border. ``slope`` is that of :func:`_slope`, ``length`` the length of the line in cells, at least 1.
     """
     if limit < 0.0:
         return 0
@@ -92,7 +92,8 @@ def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int,
         else:
             falling = True
             i -= 1
-            # A step back that is near enough ends the search; one forward that is not ends it in the next iteration.
+            # A backward step that is near enough ends the search; a forward one that is not ends it in the next
+            # iteration.
     return i
 
 
@@ -112,7 +113,7 @@ def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col
 
 @jit
 def _reading(z: float, range_min: float, range_max: float, no_return_free: bool) -> tuple[float, bool, bool]:
-    """Return the length of a beam that a reading (metres) gives, whether it is used, and whether nothing returned."""
+    """Return the beam length of a reading (metres), whether it is used, and whether it is a no return."""
     no_return = z > range_max
     if no_return:
         return range_max, no_return_free, True
@@ -124,10 +125,10 @@ def _line_of(
     sensor: tuple[float, float, float, float], u: float, v: float, row: int, col: int, beam: tuple[float, float],
     z: float, no_return: bool, window: float, growth: float, frame: Frame,
 ) -> tuple[int, int, int, int, int, int, int]:  # fmt: skip
-    """Return the end (row, col) of a beam's line, the cell (row, col) of its hit, and its steps NEAR, FAR and AT.
+    """Return the end (row, col) of a beam's line, the hit cell (row, col), and the steps NEAR, FAR and AT.
 
     ``sensor`` (x, y, cos θ, sin θ) of ``T_map_laser`` is at (u, v) of the lattice, in the cell (row, col); ``beam`` is
-    the cosine and sine of the bearing; ``z`` metres. A beam without a return has the hit (−1, −1).
+    the cosine and sine of the bearing; ``z`` is in metres. The hit of a beam without return is (−1, −1).
     """
     x, y, cos, sin = sensor
     px, py = z * beam[0], z * beam[1]
@@ -161,12 +162,12 @@ def plan_lines(
     work: Float64Array,
     box: Int64Array,
 ) -> None:
-    """Write the line of each beam, scan after scan.
+    """Write the line of each beam, scan by scan.
 
-    ``scans`` and ``reading_filter``: see :mod:`mapper.mapping.kernels.types`. The columns
-    [first, first + n_scans · n_beams) of ``lines`` (9, n) int32 are written; to ``work`` (rows + 1,) float64 the
-    differences, from row to row, of the cost of drawing are added; ``box`` (4,) int64 (row0, row1, col0, col1),
-    half-open, is widened to hold the lines, also where they leave the grid.
+    ``scans`` and ``reading_filter``: see :mod:`mapper.mapping.kernels.types`. The columns [first, first + n_scans ·
+    n_beams) of ``lines`` (9, n) int32 are written. The row-to-row differences of the drawing cost are added to ``work``
+    (rows + 1,) float64. ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is extended to the lines, including
+    their parts outside the grid.
     """
     ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     range_min, range_max, window, growth, no_return_free = reading_filter
@@ -220,7 +221,9 @@ def _clip(start: int, step: int, low: int, high: int, major: int, minor: int, al
 
 @jit
 def _part(part: int, first: int, stop: int, near: int, at: int) -> tuple[int, int]:
-    """Return the steps of a part of a line: two that are passed, before and after the endpoint's cell, and two hit."""
+    """Return the steps of a part of a line: two parts are passed, before and after the endpoint's cell, and two are
+    hit.
+    """
     if part == 0:
         return first, min(near, at, stop)
     if part == 1:
@@ -232,7 +235,7 @@ def _part(part: int, first: int, stop: int, near: int, at: int) -> tuple[int, in
 
 @jit
 def _crossing(lines: Int32Array, row_low: int, row_high: int) -> Int64Array:
-    """Return which of the lines have a cell in the rows [row_low, row_high), without a branch that is hard to guess."""
+    """Return which lines have a cell in the rows [row_low, row_high), without unpredictable branches."""
     chosen = np.empty(lines.shape[1], dtype=np.int64)
     count = 0
     for j in range(lines.shape[1]):
@@ -248,7 +251,7 @@ def _crossing(lines: Int32Array, row_low: int, row_high: int) -> Int64Array:
 def _hits_of(
     lines: Int32Array, chosen: Int64Array, row_low: int, row_high: int, cols: int
 ) -> Int64Array:  # fmt: skip
-    """Return the cells (row · cols + col) of the rows [row_low, row_high) that the ``chosen`` lines hit, in order."""
+    """Return the cells (row · cols + col) in the rows [row_low, row_high) that the ``chosen`` lines hit, in order."""
     most = len(chosen)
     for j in chosen:
         most += max(int(lines[FAR, j]) - int(lines[NEAR, j]), 0)
@@ -279,10 +282,10 @@ def _draw_chosen(
     cells: Cells, lines: Int32Array, chosen: Int64Array, log_odds_update: LogOddsUpdate, hits_only: bool,
     row_low: int, row_high: int, box: Int64Array, mark: bool,
 ) -> int:  # fmt: skip
-    """Add what the ``chosen`` lines say, as :func:`draw_lines`."""
+    """Add the evidence of the ``chosen`` lines, as in :func:`draw_lines`."""
     log_odds, observed, cols = cells
     miss, hit, low, high = _without_minus_zero(log_odds_update)
-    # Kept in registers: the boxes of two threads share a cache line (false sharing).
+    # Local copies, because the boxes of two threads may share a cache line (false sharing).
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     for number in range(len(chosen)):
@@ -298,16 +301,16 @@ def _draw_chosen(
         if low_row < row_low or high_row >= row_high or min(col, end_col) < 0 or max(col, end_col) >= cols:
             first, stop = _clip(row, s_row, row_low, row_high, major, minor, steep, first, stop)
             first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
-        if hits_only:  # what is passed lies before the step NEAR
+        if hits_only:  # passed cells are before the step NEAR
             first = max(first, int(lines[NEAR, j]))
         if first < stop:
             base = row * cols + col
             along, across = (s_row * cols, s_col) if steep else (s_col, s_row * cols)
             slope = ((minor << _BITS) + major - 1) // max(major, 1)  # rounded up
             near, at = int(lines[NEAR, j]), int(lines[AT, j])
-            if at < first or at >= stop:  # the endpoint's cell, which comes last, is left out
+            if at < first or at >= stop:  # the endpoint's cell is left out and drawn last
                 at = stop
-            # One loop for all parts, and of those mostly the first alone, is what keeps a short line cheap.
+            # One loop for all parts, of which usually only the first is not empty, keeps short lines cheap.
             for part in range(1 if min(near, at) >= stop else 4):
                 begin, end = _part(part, first, stop, near, at)
                 increment = miss if part < 2 else hit
@@ -348,19 +351,21 @@ def draw_lines(
     box: Int64Array,
     mark: bool,
 ) -> int:
-    """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+    """Add the evidence of ``lines`` (9, n) to the rows [row_low, row_high) of the grid; return the number of cell
+    updates.
 
-    With ``hits_only`` the cells that beams passed are left as they are, and neither counted nor marked. With
-    ``scan_ends``, the line after the last one of each scan, only the hits count in the cells that a scan hits;
-    updates by misses are counted there as well. Empty: both count.
+    With ``hits_only``, cells that beams pass are not changed, counted or marked. With ``scan_ends``, the line after the
+    last one of each scan, only hits count in the cells that a scan hits, but updates by misses are counted there as
+    well. If it is empty, both count.
+
     ``cells.observed`` is written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,)
-    int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``log_odds_update``:
+    int64 (row0, row1, col0, col1), half-open, is extended to the touched cells. ``log_odds_update``: see
     :mod:`mapper.mapping.kernels.types`.
     """
     chosen = _crossing(lines, row_low, row_high)
     if len(scan_ends) == 0:
         return _draw_chosen(cells, lines, chosen, log_odds_update, hits_only, row_low, row_high, box, mark)
-    own = box.copy()  # the boxes of two threads share a cache line (false sharing)
+    own = box.copy()  # a copy, because the boxes of two threads may share a cache line (false sharing)
     first, count = 0, 0
     for end in scan_ends:
         stop = first
@@ -385,7 +390,7 @@ def reach(
     reading_filter: ReadingFilter,
     bounds: Float64Array,
 ) -> None:
-    """Widen ``bounds`` (4,) float64 (x_min, y_min, x_max, y_max), metres, to hold the sensors and what they see.
+    """Extend ``bounds`` (4,) float64 (x_min, y_min, x_max, y_max), metres, to the sensors and what they observe.
 
     ``ranges``, ``sensors`` and ``beams`` are those of :class:`mapper.mapping.kernels.types.Scans`.
     """

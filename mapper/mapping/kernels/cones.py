@@ -1,9 +1,9 @@
-"""Sonar cones: every cell in a cone gets evidence that depends on its distance and on its angle from the axis.
+"""Sonar cones: the evidence of a cell depends on its distance and its angle from the axis.
 
 Numba twin of :func:`mapper.mapping.textbook.evidence_in_cone` and of :func:`mapper.mapping.textbook.update_per_scan`
 for models whose evidence differs from cell to cell. A cone is between two edges, unit vectors of the lattice (u along
-columns, v along rows): to the left of its right edge, the edge included, and to the right of its left edge. The rows
-and columns that it may reach are found loosely; each cell in them is tested exactly, as the textbook tests it.
+columns, v along rows): to the left of its right edge, the edge included, and to the right of its left edge. The
+candidate rows and columns are found approximately; each cell in them is tested exactly, as in the textbook.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
 FLAT, GAUSSIAN, RAMP = range(3)  #: profiles
-NOTHING, RETURN, NO_RETURN = range(3)  #: what a reading is
+NOTHING, RETURN, NO_RETURN = range(3)  #: kinds of readings
 
 _NEAR_ZERO = 1e-9
 
 
 @jit
 def _kind_of(z: float, reading_filter: ReadingFilter) -> int:
-    """Return what a reading says: nothing, a range, or that nothing returned and all is free."""
+    """Classify a reading: nothing, a range, or no return with free space."""
     range_min, range_max, _, _, no_return_free = reading_filter
     if range_min <= z <= range_max:
         return RETURN
@@ -38,7 +38,7 @@ def _kind_of(z: float, reading_filter: ReadingFilter) -> int:
 
 @jit
 def _edges_of(fields: Float64Array, k: int, turn_u: float, turn_v: float) -> tuple[float, float, float, float]:
-    """Return the right and the left edge of beam ``k`` in the lattice: ``fields`` turned by the sensor's heading."""
+    """Return the right and left edge of beam ``k`` in the lattice: ``fields`` rotated by the sensor's heading."""
     return (
         turn_u * fields[k, 0] - turn_v * fields[k, 1],
         turn_v * fields[k, 0] + turn_u * fields[k, 1],
@@ -49,12 +49,14 @@ def _edges_of(fields: Float64Array, k: int, turn_u: float, turn_v: float) -> tup
 
 @jit
 def _rows_of(v: float, edges: tuple[float, float, float, float], radius: float, low: int, high: int) -> tuple[int, int]:
-    """Return the rows [first, stop) within [low, high) that a cone of ``radius`` cells may reach, a row too many."""
+    """Return the rows [first, stop) within [low, high) that a cone of ``radius`` cells may reach, with a margin of
+    one.
+    """
     right_u, right_v, left_u, left_v = edges
     least, most = min(0.0, right_v, left_v), max(0.0, right_v, left_v)
-    if right_u >= -_NEAR_ZERO and left_u <= _NEAR_ZERO:  # it contains the direction up
+    if right_u >= -_NEAR_ZERO and left_u <= _NEAR_ZERO:  # the cone contains the +v direction
         most = 1.0
-    if right_u <= _NEAR_ZERO and left_u >= -_NEAR_ZERO:  # the direction down
+    if right_u <= _NEAR_ZERO and left_u >= -_NEAR_ZERO:  # the cone contains the −v direction
         least = -1.0
     return max(floor(v + least * radius) - 1, low), min(floor(v + most * radius) + 2, high)
 
@@ -63,7 +65,7 @@ def _rows_of(v: float, edges: tuple[float, float, float, float], radius: float, 
 def _columns_of(
     d_v: float, u: float, edges: tuple[float, float, float, float], radius: float, cols: int
 ) -> tuple[int, int]:
-    """Return the columns [first, stop) of a row that a cone may reach, a column too many on each side."""
+    """Return the columns [first, stop) of a row that a cone may reach, with a margin of one."""
     right_u, right_v, left_u, left_v = edges
     reach = radius + 1.0
     square = reach * reach - d_v * d_v
@@ -82,14 +84,14 @@ def _columns_of(
 
 @jit
 def _lies_in(d_u: float, d_v: float, edges: tuple[float, float, float, float]) -> bool:
-    """Return whether a cell's centre, at (d_u, d_v) cells from the sensor, is between the edges."""
+    """Return whether a cell's centre, (d_u, d_v) cells from the sensor, is between the edges."""
     right_u, right_v, left_u, left_v = edges
     return right_u * d_v - right_v * d_u >= 0.0 and left_u * d_v - left_v * d_u < 0.0
 
 
 @jit
 def _angle_off(d_u: float, d_v: float, axis_u: float, axis_v: float) -> float:
-    """Return the angle of a cell's centre from a beam's axis, radians."""
+    """Return the angle between a cell's centre and a beam's axis, radians."""
     return atan2(axis_u * d_v - axis_v * d_u, axis_u * d_u + axis_v * d_v)
 
 
@@ -125,12 +127,11 @@ def draw_cones(
     row_high: int,
     box: Int64Array,
 ) -> int:
-    """Add what the cones of all beams say to the rows [row_low, row_high); return the number of cell updates.
+    """Add the evidence of the cones of all beams to the rows [row_low, row_high); return the number of cell updates.
 
-    The tuples: see :mod:`mapper.mapping.kernels.types`. With ``cone.mark_endpoints`` the cells that hold endpoints get
-    the hit increment of ``log_odds_update``, once in each scan, and nothing else; ``marked`` (rows · cols,), which is
-    used only then, is scratch, false before and after. ``box`` as in
-    :func:`mapper.mapping.kernels.bresenham.draw_lines`.
+    For the tuples see :mod:`mapper.mapping.kernels.types`. With ``cone.mark_endpoints`` the cells that hold endpoints
+    get only the hit increment of ``log_odds_update``, once per scan. ``marked`` (rows · cols,), used only then, is
+    scratch memory, false before and after. ``box`` as in :func:`mapper.mapping.kernels.bresenham.draw_lines`.
     """
     log_odds, observed, cols = cells
     ranges, sensors, beams, fields, headings, _ = scans
@@ -212,10 +213,10 @@ def contributions_of_cones(
     out: Int64Array,
     increments: Float32Array,
 ) -> int:
-    """Test a cell against cones; ``out`` (≥ n, 2) int64 and ``increments`` (≥ n,) are written, the touches in order.
+    """Test a cell against cones. Writes ``out`` (≥ n, 2) int64 and ``increments`` (≥ n,), the touches in order.
 
-    As :mod:`mapper.mapping.kernels.contributions` writes them; with ``cone.mark_endpoints`` a scan that ended in the
-    cell is named by the first beam that did.
+    The format is that of :mod:`mapper.mapping.kernels.contributions`. With ``cone.mark_endpoints`` a scan that ends in
+    the cell is attributed to the first beam that does.
     """
     ranges, sensors, beams, fields, headings, _ = scans
     _, range_max, window, growth, _ = reading_filter

@@ -1,9 +1,9 @@
-"""Readings that updated one cell, found from the scans alone: no history is kept for any cell.
+"""Readings that updated one cell, recomputed from the scans; no per-cell history is kept.
 
 Each kernel tests one cell against what :mod:`mapper.mapping.kernels.bresenham`,
 :mod:`~mapper.mapping.kernels.amanatides_woo` or :mod:`~mapper.mapping.kernels.perceptual_field` would draw. It writes,
-in the order of the map's making, the number of each reading (scan · n_beams + beam) and whether it was a hit (1) or a
-miss (0), and returns how many there are.
+in the order in which the map was built, the number of each reading (scan · n_beams + beam) and whether it was a hit (1)
+or a miss (0), and returns the number of readings.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def filter_readings_near_cell(
     sifted: Float32Array,
     near: BoolArray,
 ) -> None:
-    """Write the readings whose beams may touch a cell, NaN for all others, and which scans have such a beam.
+    """Write the readings whose beams may touch a cell, NaN for all others, and mark the scans with such a beam.
 
     ``sifted`` (n_scans, n_beams) float32 and ``near`` (n_scans,) bool are written; the other arguments are those of
     :func:`mapper.mapping.kernels.bresenham.plan_lines`.
@@ -45,13 +45,13 @@ def filter_readings_near_cell(
     ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     _, range_max, window, growth, _ = reading_filter
     origin_x, origin_y, cos_yaw, sin_yaw, resolution = frame
-    spare = 3.0 * resolution  # no cell of a traversal is so far from its beam
+    spare = 3.0 * resolution  # every cell of a traversal is closer to its beam than this
     d_u, d_v = (col + 0.5) * resolution, (row + 0.5) * resolution
     cell_x, cell_y = origin_x + cos_yaw * d_u - sin_yaw * d_v, origin_y + sin_yaw * d_u + cos_yaw * d_v
     for t in range(ranges.shape[0]):
         d_x, d_y = cell_x - sensors[t, 0], cell_y - sensors[t, 1]
         cos, sin = sensors[t, 2], sensors[t, 3]
-        ahead, aside = cos * d_x + sin * d_y, cos * d_y - sin * d_x  # of the sensor
+        ahead, aside = cos * d_x + sin * d_y, cos * d_y - sin * d_x  # relative to the sensor
         count = 0
         for k in range(ranges.shape[1]):
             z = ranges[t, k]
@@ -65,7 +65,7 @@ def filter_readings_near_cell(
 
 @jit
 def contributions_of_lines(planned: Int32Array, row: int, col: int, out: Int64Array) -> int:
-    """Test a cell against planned lines (9, n); ``out`` (≥ n, 2) int64 is written."""
+    """Test a cell against planned lines (9, n). Writes ``out`` (≥ n, 2) int64."""
     count = 0
     for j in range(planned.shape[1]):
         kind = -1
@@ -85,7 +85,7 @@ def contributions_of_lines(planned: Int32Array, row: int, col: int, out: Int64Ar
 
 @jit
 def contributions_of_rays(planned: Float64Array, resolution: float, row: int, col: int, out: Int64Array) -> int:
-    """Test a cell against planned rays (n, 8); ``out`` (≥ n, 2) int64 is written; ``resolution`` is metres a cell."""
+    """Test a cell against planned rays (n, 8). Writes ``out`` (≥ n, 2) int64; ``resolution`` is in metres per cell."""
     count = 0
     for j in range(planned.shape[0]):
         ray = planned[j]
@@ -114,10 +114,10 @@ def contributions_of_rays(planned: Float64Array, resolution: float, row: int, co
 def contributions_of_fields(
     scans: Scans, frame: Frame, reading_filter: ReadingFilter, row: int, col: int, out: Int64Array
 ) -> int:
-    """Test a cell against scans, at most one touch each; ``out`` (≥ n_scans, 2) int64 is written.
+    """Test a cell against scans, at most one touch each. Writes ``out`` (≥ n_scans, 2) int64.
 
-    A scan that hits the cell is named by the first beam that ended in it, else by the beam whose field contains it. The
-    other arguments are those of :func:`mapper.mapping.kernels.perceptual_field.plan_fields`.
+    A scan that hits the cell is attributed to the first beam that ends in it, otherwise to the beam whose field
+    contains it. The other arguments are those of :func:`mapper.mapping.kernels.perceptual_field.plan_fields`.
     """
     ranges, sensors, beams, fields, headings, _ = scans
     range_min, range_max, window, growth, no_return_free = reading_filter
@@ -133,7 +133,7 @@ def contributions_of_fields(
         beam, kind = -1, -1
         for k in range(n_beams):
             z = float(ranges[t, k])
-            if not range_min <= z <= range_max or abs(s - z) > 2.0 * resolution:  # its cell is another
+            if not range_min <= z <= range_max or abs(s - z) > 2.0 * resolution:  # the endpoint is in another cell
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
             eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
@@ -166,7 +166,7 @@ def contributions_of_fields(
 @jit
 def running_sum(increments: Float32Array, start: np.float32, low: np.float32, high: np.float32,
                 out: Float32Array) -> None:  # fmt: skip
-    """Write the clamped sum after each increment, beginning with ``start``; all (n,) float32 log-odds."""
+    """Write the clamped sum after each increment, starting at ``start``; all (n,) float32 log-odds."""
     value = start
     for j in range(len(increments)):
         value = min(max(value + increments[j], low), high)

@@ -1,18 +1,17 @@
-"""The border of a scan's field as arcs and edges, and where it crosses the rows of the grid.
+"""The border of a scan's field as arcs and edges, and its crossings with the rows of the grid.
 
-The field of a beam is a sector: from the sensor to an arc, between two edges. All sectors of a scan make one region,
-whose border runs along the first arc, along the edge to the next one, and so on round. Where the border crosses a row,
-the row enters or leaves the region; between two pieces it has the same corner, so no crossing is lost or
-counted twice.
+The field of a beam is a sector: from the sensor to an arc, between two edges. The sectors of a scan form one region,
+whose border runs along the first arc, then along the edge to the next arc, and so on. Where the border crosses a row,
+the row enters or leaves the region. Adjacent pieces share the same corner, so no crossing is lost or counted twice.
 
-Rows and columns are found here by rounding, which is right as long as a corner keeps clear of every row's middle and a
-crossing of every cell's centre. Where either comes nearer than a HAIR, the exact test of
-:mod:`mapper.mapping.kernels.sectors` must do that scan.
+Rows and columns are found by rounding, which is correct unless a corner is close to a row's middle or a crossing close
+to a cell's centre. If either is nearer than a HAIR, the scan must be drawn by the exact test of
+:mod:`mapper.mapping.kernels.sectors`.
 
-An edge is a unit vector (u along columns, v along rows), (u, v) is the sensor in lattice coordinates. A piece crosses
-the rows between those of its ends, [low, high): a row counts where its middle is at or above an end. Pieces are first
-listed and then traversed, a few rows at a time whether the piece has them or not; surplus rows are overwritten by the
-next piece. So no loop has a length that is hard to predict, and the compiler can vectorise.
+An edge is a unit vector (u along columns, v along rows); (u, v) is the sensor in lattice coordinates. A piece crosses
+the rows between those of its ends, [low, high); a row counts if its middle is at or above an end. Pieces are first
+listed and then traversed a fixed number of rows at a time; surplus rows are overwritten by the next piece. So no loop
+has an unpredictable length, and the compiler can vectorise.
 """
 
 from __future__ import annotations
@@ -25,27 +24,27 @@ from mapper.core.array_types import BoolArray, Float64Array, Int64Array, UInt32A
 from mapper.core.jit import jit
 from mapper.mapping.kernels.bitmask_fill import _packed
 
-HAIR = 1e-7  # of a cell, far above what rounding does to a place in the grid
-_SHALLOW = 1e-8  # of a radius' square: where half a chord's is less than that, its root is not sure to a hair
+HAIR = 1e-7  # cells; far above the rounding error of a position in the grid
+_SHALLOW = 1e-8  # of the squared radius: if half a chord squared is less, its root is uncertain by a hair
 STRIDE = 4  # rows traversed at once
 
-#: How a scan's sectors follow one another: for each (n,) int64 the one before it, counter-clockwise, and (n,) bool
-#: whether its right edge is the left edge of that one.
+#: Neighbourhood of a scan's sectors: for each (n,) int64 the previous one, counter-clockwise, and (n,) bool whether its
+#: right edge is the left edge of that one.
 Ring = tuple[Int64Array, BoolArray]
-#: A scan's sectors: edges (4, n) float64, right u, v and left u, v, along the lattice; sides (n,) float64
-#: (:func:`_side`); radii (n,) of the arcs, cells, 0 for an ignored beam; corners (2, n) int64, the rows of their
-#: right and left ends.
+#: Sectors of a scan: edges (4, n) float64, right u, v and left u, v, along the lattice; sides (n,) float64
+#: (:func:`_side`); radii (n,) of the arcs, cells, 0 for an ignored beam; corners (2, n) int64, the rows of their right
+#: and left ends.
 Sectors = tuple[Float64Array, Float64Array, Float64Array, Int64Array]
-#: Pieces of a border: rows (2, pieces) int64 [first, stop), and shapes (2, pieces) float64: of an edge the column at
-#: which it crosses its first row and how far it goes for each row; of an arc its radius' square and its side.
+#: Pieces of a border: rows (2, pieces) int64 [first, stop), and shapes (2, pieces) float64: for an edge the column at
+#: which it crosses its first row and the columns per row; for an arc its squared radius and its side.
 Pieces = tuple[Int64Array, Float64Array]
-#: Where a border crosses rows: the rows (crossings,) int64 and the columns (crossings,) float64, less half a cell.
+#: Crossings of a border with rows: the rows (crossings,) int64 and the columns (crossings,) float64, minus half a cell.
 Crossings = tuple[Int64Array, Float64Array]
 
 
 @jit
 def _room_for_pieces(n: int) -> Pieces:
-    # One more, for what is listed last and does not count.
+    # One more, for the last listed piece, which does not count.
     return np.empty((2, n + 1), dtype=np.int64), np.empty((2, n + 1))
 
 
@@ -56,7 +55,7 @@ def _room_for_crossings(n: int) -> Crossings:
 
 @jit
 def _ring_of(fields: Float64Array) -> Ring:
-    """Return how the sectors (n, 4) of a scan follow one another."""
+    """Return the neighbourhood of the sectors (n, 4) of a scan."""
     n = len(fields)
     clockwise = n > 1 and fields[0, 0] == fields[1, 2] and fields[0, 1] == fields[1, 3]
     before, shared = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_)
@@ -69,13 +68,13 @@ def _ring_of(fields: Float64Array) -> Ring:
 
 @jit
 def _turned(u: float, v: float, turn_u: float, turn_v: float) -> tuple[float, float]:
-    """Return a vector of the sensor's frame along the lattice, in which its heading is (turn_u, turn_v)."""
+    """Rotate a vector from the sensor's frame to the lattice, in which the heading is (turn_u, turn_v)."""
     return turn_u * u - turn_v * v, turn_v * u + turn_u * v
 
 
 @jit
 def _row_at(v: float) -> tuple[float, bool]:
-    """Return the first row whose middle is at or above a place, and whether the place is too near to a middle."""
+    """Return the first row whose middle is at or above ``v``, and whether ``v`` is too near to a middle."""
     row = np.ceil(v - 0.5)
     ahead = row - (v - 0.5)
     return row, (ahead < HAIR) | (ahead > 1.0 - HAIR)
@@ -83,14 +82,18 @@ def _row_at(v: float) -> tuple[float, bool]:
 
 @jit
 def _side(right_u: float, left_u: float) -> float:
-    """Return on which side of the sensor, +1 or −1 along columns, an arc between two edges lies; 0 where it turns."""
+    """Return the side of the sensor, +1 or −1 along columns, on which an arc between two edges lies; 0 if it spans
+    both.
+    """
     side = 1.0 if right_u + left_u > 0.0 else -1.0
     return side if right_u * left_u >= 0.0 else 0.0
 
 
 @jit
 def _place_sectors(fields: Float64Array, turn_u: float, turn_v: float, v: float, sectors: Sectors) -> bool:
-    """Turn the edges (4, n) of a scan's sectors and find the rows of their corners; return whether all are sure."""
+    """Rotate the edges (4, n) of a scan's sectors and find the rows of their corners; return whether all are
+    certain.
+    """
     edges, sides, radii, corners = sectors
     unsure = False
     for i in range(len(radii)):
@@ -114,11 +117,11 @@ def _list_edge(
     pieces: Pieces, n: int, edge_u: float, edge_v: float, row: int, end_row: int, u: float, v: float, low: int,
     high: int,
 ) -> int:  # fmt: skip
-    """List the part of an edge's line between two rows that lies in the rows [low, high); return the new length."""
+    """List the part of an edge's line between two rows, within the rows [low, high); return the new length."""
     rows, shapes = pieces
     at = np.uint64(n)
     first, stop = max(min(row, end_row), low), min(max(row, end_row), high)
-    slope = edge_u / (edge_v if edge_v != 0.0 else 1.0)  # an edge along a row crosses none
+    slope = edge_u / (edge_v if edge_v != 0.0 else 1.0)  # an edge parallel to the rows crosses none
     rows[0, at], rows[1, at] = first, stop
     shapes[0, at], shapes[1, at] = u + slope * (first + 0.5 - v) - 0.5, slope
     return n + (stop > first)
@@ -126,7 +129,7 @@ def _list_edge(
 
 @jit
 def _list_arc(pieces: Pieces, n: int, radius: float, side: float, row: int, end_row: int, low: int, high: int) -> int:
-    """List the part of an arc between two rows that lies in the rows [low, high); return the new length."""
+    """List the part of an arc between two rows, within the rows [low, high); return the new length."""
     rows, shapes = pieces
     at = np.uint64(n)
     first, stop = max(min(row, end_row), low), min(max(row, end_row), high)
@@ -139,7 +142,7 @@ def _list_arc(pieces: Pieces, n: int, radius: float, side: float, row: int, end_
 def _list_edges(
     sectors: Sectors, ring: Ring, home: int, u: float, v: float, low: int, high: int, pieces: Pieces
 ) -> int:  # fmt: skip
-    """List the edges between a scan's arcs, as far as they lie in the rows [low, high); return how many pieces."""
+    """List the edges between a scan's arcs, within the rows [low, high); return the number of pieces."""
     edges, _, _, corners = sectors
     before, shared = ring
     n = 0
@@ -155,13 +158,13 @@ def _list_edges(
 
 @jit
 def _list_arcs(sectors: Sectors, v: float, low: int, high: int, pieces: Pieces) -> tuple[int, bool]:
-    """List a scan's arcs, as far as they lie in the rows [low, high); return how many pieces, and whether sure."""
+    """List a scan's arcs, within the rows [low, high); return the number of pieces and whether all are certain."""
     edges, sides, radii, corners = sectors
     n, unsure = 0, False
     for k in range(len(sides)):
         side, radius = sides[k], radii[k]
         row, end_row = corners[0, k], corners[1, k]
-        if side == 0.0:  # counter-clockwise: over the top, or through the bottom
+        if side == 0.0:  # counter-clockwise: over the top or through the bottom
             side = 1.0 if edges[0, k] > 0.0 else -1.0
             turning, near = _row_at(v + side * radius)
             unsure |= near
@@ -173,9 +176,9 @@ def _list_arcs(sectors: Sectors, v: float, low: int, high: int, pieces: Pieces) 
 
 @jit
 def _crossed(pieces: Pieces, n: int, work: Float64Array) -> int:
-    """Return how many rows the first ``n`` pieces cross together.
+    """Return the total number of rows that the first ``n`` pieces cross.
 
-    To ``work`` (grid rows + 1,), a difference along the rows, 1 is added for each crossing.
+    Each crossing adds 1 to ``work`` (grid rows + 1,), which holds differences along the rows.
     """
     rows, _ = pieces
     total = 0
@@ -189,7 +192,7 @@ def _crossed(pieces: Pieces, n: int, work: Float64Array) -> int:
 
 @jit
 def _traverse_edges(pieces: Pieces, n: int, crossings: Crossings, done: int) -> int:
-    """Note where ``n`` edges cross rows, after the ``done`` first crossings; return how many there are then.
+    """Append the crossings of ``n`` edges with rows after the first ``done`` ones; return their new number.
 
     There must be room for STRIDE more.
     """
@@ -213,7 +216,9 @@ def _traverse_edges(pieces: Pieces, n: int, crossings: Crossings, done: int) -> 
 def _traverse_arcs(
     pieces: Pieces, n: int, u: float, v: float, crossings: Crossings, done: int
 ) -> tuple[int, bool]:  # fmt: skip
-    """Note where ``n`` arcs cross rows, as :func:`_traverse_edges`; return also whether the roots are sure."""
+    """Append the crossings of ``n`` arcs with rows, as in :func:`_traverse_edges`; also return whether the roots are
+    certain.
+    """
     rows, shapes = pieces
     at_rows, at_columns = crossings
     start, unsure = done, False
@@ -242,10 +247,10 @@ def _traverse_arcs(
 def _note_crossings(
     crossings: Crossings, n: int, low: int, left: int, width: int, toggles: UInt32Array, done: int
 ) -> bool:  # fmt: skip
-    """Note for ``n`` crossings which columns their rows enter or leave at, and return whether all are sure.
+    """Write for ``n`` crossings the columns at which their rows enter or leave; return whether all are certain.
 
-    They are counted from row ``low`` and column ``left``. A column before ``left`` counts as that one, as the row is
-    inside from there, and one beyond ``width`` as that.
+    They are relative to row ``low`` and column ``left``. Columns before ``left`` are clamped to it, because the row is
+    inside from there on, and columns beyond ``width`` are clamped to ``width``.
     """
     at_rows, at_columns = crossings
     unsure = False

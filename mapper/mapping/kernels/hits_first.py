@@ -1,8 +1,8 @@
-"""The hits of a scan before its misses, which then count for nothing in the cells that the scan hits.
+"""Updates in which the misses of a scan are ignored in the cells that the scan hits.
 
-For :func:`mapper.mapping.textbook.update_hits_first`. A test in each cell that a beam passes would cost as much as the
-update itself. Instead a scan's hits are added first, its beams are drawn as ever, and its hit cells get back what they
-held after the hits.
+Implements :func:`mapper.mapping.textbook.update_hits_first`. A test in each cell that a beam passes would cost as much
+as the update itself. Instead, a scan's hits are added first, then all its beams are drawn, and finally the hit cells
+are restored to their values after the hits.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mapper.mapping.kernels.types import LogOddsUpdate
 
 @jit
 def _add_hits(log_odds: Float32Array, hits: Int64Array, log_odds_update: LogOddsUpdate) -> Float32Array:
-    """Add a hit to each of the cells ``hits`` (n,) of ``log_odds`` (rows · cols,); return what they hold then (n,)."""
+    """Add a hit to each of the cells ``hits`` (n,) of ``log_odds`` (rows · cols,); return their new values (n,)."""
     _, hit, low, high = _without_minus_zero(log_odds_update)
     for n in range(len(hits)):
         log_odds[hits[n]] = min(max(log_odds[hits[n]] + hit, low), high)
@@ -29,6 +29,6 @@ def _add_hits(log_odds: Float32Array, hits: Int64Array, log_odds_update: LogOdds
 
 @jit
 def _put_back(log_odds: Float32Array, hits: Int64Array, held: Float32Array) -> None:
-    """Write what :func:`_add_hits` returned into the cells again."""
+    """Restore the values returned by :func:`_add_hits`."""
     for n in range(len(hits)):
         log_odds[hits[n]] = held[n]

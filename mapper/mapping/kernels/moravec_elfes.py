@@ -1,7 +1,7 @@
-"""The grids of Moravec and Elfes, 1985: for each cell how certain it is that it is empty, and that it is occupied.
+"""Grids of Moravec and Elfes, 1985: for each cell the certainty that it is empty, and that it is occupied.
 
 Numba twin of :func:`mapper.mapping.textbook.update_moravec_elfes`. A reading's certainty of "occupied" is distributed
-over its whole arc, which may be anywhere in the grid, so scans are added one after another by one thread.
+over its whole arc, which may be anywhere in the grid, so scans are added sequentially by one thread.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mapper.mapping.kernels.types import ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 
-_EMPTY, _SUM, _OCCUPIED = range(3)  # what is done with the cells of a cone
+_EMPTY, _SUM, _OCCUPIED = range(3)  # operations on the cells of a cone
 
 
 @jit
@@ -35,7 +35,7 @@ def _cone(
     limit: float, opening: float, u: float, v: float, axis_u: float, axis_v: float,
     edges: tuple[float, float, float, float], resolution: float, share: float, box: Int64Array,
 ) -> tuple[float, int]:  # fmt: skip
-    """Go through a cone's cells; return the sum over its arc and the number of cells changed."""
+    """Process a cone's cells; return the sum over its arc and the number of changed cells."""
     rows = occupied.shape[0] // cols
     radius = limit / resolution
     total, count = 0.0, 0
@@ -56,7 +56,7 @@ def _cone(
                 weight *= 1.0 - (s / (z - half)) ** 2
                 empty[cell] += weight * (1.0 - empty[cell])
             else:
-                # Cancelled by what is known to be empty, then normalised so that the whole arc holds one obstacle.
+                # Reduced where the cell is known to be empty, then normalised so that the whole arc holds one obstacle.
                 weight *= (1.0 - ((s - z) / half) ** 2) * (1.0 - empty[cell])
                 total += weight
                 if what == _SUM:
@@ -84,12 +84,12 @@ def add_certainties(
     contributions: Int64Array,
     certainties: Float32Array,
 ) -> tuple[int, int]:
-    """Add scans one after another; return the number of cell updates and of touches of the cell ``watched``.
+    """Add scans in order; return the number of cell updates and of touches of the cell ``watched``.
 
-    ``occupied``, ``empty`` float32 and ``observed`` bool, each (rows · cols,), are the grid's cells row after row;
+    ``occupied``, ``empty`` float32 and ``observed`` bool, each (rows · cols,), are the grid's cells, row by row;
     ``opening`` is the cone's angle in radians. Each update of cell number ``watched`` (−1: none) is written to
-    ``contributions`` (≥ n, 2) int64, the reading's number and 1 for occupied or 0 for empty, and to ``certainties`` (≥
-    n, 2), what the cell held after it: occupied, empty.
+    ``contributions`` (≥ n, 2) int64, the reading's number and 1 for occupied or 0 for empty, and its values after the
+    update, occupied and empty, to ``certainties`` (≥ n, 2).
     """
     ranges, sensors, beams, fields, headings, _ = scans
     range_max, half = reading_filter.range_max, 0.5 * reading_filter.window
@@ -98,7 +98,7 @@ def add_certainties(
     for t in range(ranges.shape[0]):
         u, v = _to_lattice(sensors[t, 0], sensors[t, 1], frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
-        for what in (_EMPTY, _OCCUPIED):  # all that is empty comes first, as in 1985
+        for what in (_EMPTY, _OCCUPIED):  # all empty evidence comes first, as in 1985
             for k in range(n_beams):
                 z = float(ranges[t, k])
                 kind = _kind_of(z, reading_filter)
@@ -107,7 +107,7 @@ def add_certainties(
                 edges = _edges_of(fields, k, turn_u, turn_v)
                 axis_u = turn_u * beams[k, 0] - turn_v * beams[k, 1]
                 axis_v = turn_v * beams[k, 0] + turn_u * beams[k, 1]
-                # A beam without return has no arc: all up to the max range is before it.
+                # A beam without return has no arc: all cells up to the max range are before it.
                 nearer = half if kind == RETURN else 0.0
                 z = z if kind == RETURN else range_max
                 limit = min(z + nearer, range_max)

@@ -1,9 +1,9 @@
-"""Marking of touched cells by the sign of zero instead of a second write for each update.
+"""Marking of touched cells by the sign of zero, instead of a second write for each update.
 
-A cell that was never observed holds the prior. Where the prior is 0, it is encoded as −0: adding evidence to −0 gives
-the same as adding it to +0, and no sum of the map is ever −0 again (IEEE 754, section 6.3: x + y is −0 only where both
-are). So what still is −0 in the end was not touched. That saves the write to ``observed``, whose cache lines cost more
-than the addition itself.
+A cell that was never observed holds the prior. If the prior is 0, it is encoded as −0. Adding evidence to −0 gives the
+same result as adding it to +0, and no sum of the map is ever −0 again (IEEE 754, section 6.3: x + y is −0 only if both
+are). So cells that are still −0 at the end were not touched. This saves the write to ``observed``, whose cache misses
+cost more than the addition itself.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ _UNOBSERVED = np.int32(-(1 << 31))  # the bits of −0
 
 @jit
 def encode_unobserved(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> bool:
-    """Turn the cells of ``box`` (row0, row1, col0, col1) that were never observed to −0; return whether all could be.
+    """Set the never-observed cells of ``box`` (row0, row1, col0, col1) to −0; return whether all could be.
 
-    ``log_odds`` (rows, cols) float32; ``observed`` (rows, cols) bool. Where one of them holds another value than 0,
-    nothing is encoded.
+    ``log_odds`` (rows, cols) float32; ``observed`` (rows, cols) bool. If one of these cells is not 0, nothing is
+    encoded.
     """
     for r in range(box[0], box[1]):
         cells, seen = log_odds[r, box[2] : box[3]], observed[r, box[2] : box[3]]
@@ -40,7 +40,7 @@ def encode_unobserved(log_odds: Float32Array, observed: BoolArray, box: Int64Arr
 
 @jit
 def decode_observed(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> None:
-    """Turn the −0 cells of ``box`` back to +0 and mark all others as observed."""
+    """Set the −0 cells of ``box`` back to +0 and mark all others as observed."""
     for r in range(box[0], box[1]):
         bits, noted = log_odds[r, box[2] : box[3]].view(np.int32), observed[r, box[2] : box[3]]
         for c in range(len(bits)):
@@ -51,13 +51,13 @@ def decode_observed(log_odds: Float32Array, observed: BoolArray, box: Int64Array
 
 @jit
 def _without_minus_zero(log_odds_update: LogOddsUpdate) -> LogOddsUpdate:
-    """Return the update with +0 for each −0 in it: evidence of −0 would leave a cell marked as unobserved."""
+    """Return the update with each −0 replaced by +0, because evidence of −0 would leave a cell marked as unobserved."""
     miss, hit, low, high = log_odds_update
     return LogOddsUpdate(_unsigned_zero(miss), _unsigned_zero(hit), _unsigned_zero(low), _unsigned_zero(high))
 
 
 @jit
 def _unsigned_zero(value: np.float32) -> np.float32:
-    # Not as value + 0: compilers drop that sum where the clamp compares and keep it where it chooses, and then can use
-    # no instruction that does both, which makes a whole map a fifth slower.
+    # Not written as value + 0: compilers drop that sum in the clamp's comparison but keep it in its selection, and then
+    # cannot use a combined instruction, which makes a whole map a fifth slower.
     return np.float32(0.0) if value == np.float32(0.0) else value

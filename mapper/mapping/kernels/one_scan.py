@@ -1,4 +1,4 @@
-"""The per-beam update with Bresenham's lines for one scan of a live robot, in one call."""
+"""Per-beam update with Bresenham's lines for one scan of a live robot, in one call."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter, Scans
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
-BEYOND = -1  #: the scan reaches beyond the grid, which has to grow first
+BEYOND = -1  #: the scan reaches beyond the grid, which must grow first
 
 
 @jit
@@ -39,10 +39,10 @@ def _add_steps(
     left_out: int, increment: np.float32, low: np.float32, high: np.float32, clamped: np.float32,
     written: UInt32Array, n: int,
 ) -> int:  # fmt: skip
-    """Add ``increment`` to the steps [begin, end) of a line but ``left_out``, where the cell is not ``clamped``.
+    """Add ``increment`` to the steps [begin, end) of a line except ``left_out``, in cells that are not ``clamped``.
 
-    The cells are listed in ``written``, which has ``n`` already; return how many there are then. The last entry is
-    written again where there is no room for more.
+    The cells are appended to ``written``, which has ``n`` entries; return the new number. If there is no more room, the
+    last entry is overwritten.
     """
     last = len(written) - 1
     position = _HALF + begin * slope
@@ -60,7 +60,7 @@ def _add_steps(
 
 @jit
 def _clamped(increment: np.float32, low: np.float32, high: np.float32, log_odds_prior: float) -> np.float32:
-    """Return the log-odds at which ``increment`` changes nothing, in cells that were observed; NaN if there are none.
+    """Return the log-odds at which ``increment`` changes nothing in observed cells; NaN if there are none.
 
     A cell that was never observed holds the prior.
     """
@@ -85,14 +85,15 @@ def add_scan(
 ) -> tuple[int, int]:
     """Add one scan to ``log_odds`` and ``observed`` (rows, cols); return the number of cell updates.
 
-    The second number is that of the entries of ``written`` (n,) uint32, n > 0: the cells whose log-odds were written,
-    ``row · cols + col``, some of them repeatedly; if it is greater than n, not all are listed.
-    Where the scan reaches beyond the grid, :data:`BEYOND` is returned, and nothing was written. ``ranges`` (n_beams,)
-    metres, ``sensor`` (x, y, cos θ, sin θ) of ``T_map_laser``, ``beams`` (n_beams, 2) cosine and sine of the bearings.
-    With ``only_hits`` misses count for nothing in the cells that the scan hits.
-    Cells that are not ``observed`` hold ``log_odds_prior``; a cell at the clamp is only read.
-    ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched. The same bits as
-    :func:`plan_lines` and :func:`draw_lines` of :mod:`mapper.mapping.kernels.bresenham` give; its textbook is theirs.
+    Also returned is the number of entries of ``written`` (n,) uint32, n > 0: the cells whose log-odds were written,
+    ``row · cols + col``, possibly repeated; if it is greater than n, not all are listed. If the scan reaches beyond the
+    grid, :data:`BEYOND` is returned and nothing is written.
+
+    ``ranges`` (n_beams,) metres, ``sensor`` (x, y, cos θ, sin θ) of ``T_map_laser``, ``beams`` (n_beams, 2) cosine and
+    sine of the bearings. With ``only_hits``, misses are ignored in the cells that the scan hits. Cells that are not
+    ``observed`` hold ``log_odds_prior``; a cell at the clamp is only read. ``box`` (4,) int64 (row0, row1, col0, col1),
+    half-open, is extended to the touched cells. The result has the same bits as :func:`plan_lines` and
+    :func:`draw_lines` of :mod:`mapper.mapping.kernels.bresenham`; the textbook version is the same.
     """
     rows, cols = log_odds.shape
     n_beams = ranges.shape[0]
@@ -139,7 +140,7 @@ def add_scan(
         first = 0
         stop = min(stop, major + 1)
         if min(row, end_row) < 0 or max(row, end_row) >= rows or min(col, end_col) < 0 or max(col, end_col) >= cols:
-            # Rounding may put an end out of the grid.
+            # Rounding may move an end out of the grid.
             first, stop = _clip(row, s_row, 0, rows, major, minor, steep, first, stop)
             first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
         if first < stop:

@@ -1,10 +1,10 @@
-"""The per-scan update: each cell of the perceptual field once, by the beam whose field contains it.
+"""Per-scan update: each cell of the perceptual field is updated once, by the beam whose field contains it.
 
 Numba twin of :func:`mapper.mapping.textbook.update_per_scan`, in two passes. :func:`plan_fields` finds for each scan
-where the border of its field crosses the rows of the grid (:mod:`mapper.mapping.kernels.field_boundary`) and in which
-cells its beams end; :func:`draw_fields` marks that in a bitmask (:mod:`mapper.mapping.kernels.bitmask_fill`) and
-adds it to a band of the grid's rows, scan after scan, so that threads that have a band each write to different cells.
-The work is proportional to the regions' borders and to a 32nd of their areas.
+the crossings of its field's border with the rows of the grid (:mod:`mapper.mapping.kernels.field_boundary`) and the
+cells in which its beams end. :func:`draw_fields` marks them in a bitmask (:mod:`mapper.mapping.kernels.bitmask_fill`)
+and adds it to a band of the grid's rows, scan by scan, so that threads with one band each write to different cells. The
+work is proportional to the length of the regions' borders plus a 32nd of their areas.
 """
 
 from __future__ import annotations
@@ -54,13 +54,12 @@ from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter, Scans
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
-#: What is planned for each scan: starts (n_scans, 4) int64, where in the list of all toggles those of its planes FREE,
-#: OUTER and HITS begin, and where they end; sure (n_scans,) bool, whether rounding decided nothing, without which FREE
-#: and OUTER have none; views (n_scans, 4) int64, the rows and words [first, stop) of the grid that it sees.
+#: The plan of each scan: starts (n_scans, 4) int64, the first toggles of its planes FREE, OUTER and HITS in the list of
+#: all toggles, and their end; sure (n_scans,) bool, whether rounding decided nothing (if not, FREE and OUTER have no
+#: toggles); views (n_scans, 4) int64, the rows and words [first, stop) of the grid that it observes.
 Plan = tuple[Int64Array, BoolArray, Int64Array]
 
-#: Room for a scan's pieces of edges and of arcs (:mod:`mapper.mapping.kernels.field_boundary`), and for where they
-# cross rows.
+#: Buffers for a scan's edge and arc pieces (:mod:`mapper.mapping.kernels.field_boundary`) and their row crossings.
 _Room = tuple[Pieces, Pieces, Crossings]
 
 
@@ -68,11 +67,11 @@ _Room = tuple[Pieces, Pieces, Crossings]
 def plan_fields(
     scans: Scans, frame: Frame, reading_filter: ReadingFilter, cols: int, plan: Plan, work: Float64Array
 ) -> UInt32Array:
-    """Plan what scans will draw; return their toggles (n,), see :func:`mapper.mapping.kernels.bitmask_fill._packed`.
+    """Plan the drawing of scans; return their toggles (n,), see :func:`mapper.mapping.kernels.bitmask_fill._packed`.
 
-    ``scans`` and ``reading_filter``: see :mod:`mapper.mapping.kernels.types`. ``plan`` is written; to ``work``
-    (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added. The grid has less than
-    MAX_SIDE rows and columns (:mod:`mapper.mapping.kernels.bitmask_fill`).
+    ``scans`` and ``reading_filter``: see :mod:`mapper.mapping.kernels.types`. ``plan`` is written. The row-to-row
+    differences of the drawing cost are added to ``work`` (rows + 1,) float64. The grid has fewer than MAX_SIDE rows and
+    columns (:mod:`mapper.mapping.kernels.bitmask_fill`).
     """
     ranges, sensors, beams, fields, headings, _ = scans
     starts, sure, views = plan
@@ -80,7 +79,7 @@ def plan_fields(
     rows, resolution = len(work) - 1, frame.resolution
     regions = (
         2 if reading_filter.window > 0.0 or reading_filter.growth > 0.0 else 1
-    )  # with a hit window also the one that reaches to its end
+    )  # with a hit window also the region up to its end
     ring = _ring_of(fields)
     across = np.ascontiguousarray(fields.T)
     edges, sides, corners = np.empty((4, n)), np.empty(n), np.empty((2, n), dtype=np.int64)
@@ -121,9 +120,9 @@ def plan_fields(
 def _cross(
     sectors: Sectors, ring: Ring, home: int, u: float, v: float, low: int, high: int, room: _Room, work: Float64Array
 ) -> tuple[_Room, int, bool]:
-    """Find where the border of a scan's field crosses the rows [low, high).
+    """Find the crossings of the border of a scan's field with the rows [low, high).
 
-    Return the room, which may have become larger, how many crossings are in it, and whether all roots are sure.
+    Return the buffers, which may have been enlarged, the number of crossings, and whether all roots are certain.
     """
     edges, arcs, crossings = room
     n_edges = _list_edges(sectors, ring, home, u, v, low, high, edges)
@@ -138,7 +137,7 @@ def _cross(
 
 @jit
 def _with_room(toggles: UInt32Array, done: int, room: int) -> UInt32Array:
-    """Return a list with room for a number of toggles after the first ``done``."""
+    """Return a list with room for ``room`` more toggles after the first ``done``."""
     if done + room <= len(toggles):
         return toggles
     longer = np.empty(2 * (done + room), dtype=np.uint32)
@@ -151,10 +150,10 @@ def _read(
     ranges: Float32Array, sensor: Float64Array, beams: Float64Array, frame: Frame, reading_filter: ReadingFilter, rows:
     int, cols: int, radii: Float64Array, ends: Int64Array,
 ) -> tuple[float, int]:  # fmt: skip
-    """Read a scan: the radii (2, n_beams) up to which it frees and up to which its hit windows reach, cells.
+    """Read a scan: the radii (2, n_beams), in cells, of its free space and of its hit windows.
 
-    ``ends`` gets the cells of the grid in which beams end, row << 32 | column. Return how far the scan sees, in metres,
-    −1 for not at all, and how many ends there are.
+    ``ends`` receives the cells of the grid in which beams end, row << 32 | column. Return the scan's reach in metres,
+    −1 for none, and the number of ends.
     """
     range_min, range_max, window, growth, no_return_free = reading_filter
     x, y, cos, sin = sensor[0], sensor[1], sensor[2], sensor[3]
@@ -210,12 +209,12 @@ def draw_fields(
     row_low: int,
     row_high: int,
 ) -> int:
-    """Add what scans say to the rows [row_low, row_high) of the grid; return the number of updates.
+    """Add the evidence of scans to the rows [row_low, row_high) of the grid; return the number of updates.
 
-    ``log_odds`` (rows, cols) is the grid; in ``seen`` (rows, words) int64, which starts at ``seen_place`` in it, the
-    bits of the cells touched are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,), a bitmask, all 0 before and
-    after, have as many rows and words as any view of ``plan`` has within these rows. The other arguments are those of
-    :func:`plan_fields` and its results.
+    ``log_odds`` (rows, cols) is the grid. In ``seen`` (rows, words) int64, which starts at ``seen_place`` in it, the
+    bits of touched cells are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,) are a bitmask, 0 before and
+    after, with as many rows and words as the largest view of ``plan`` within these rows. The other arguments are those
+    of :func:`plan_fields` and its results.
     """
     ranges, sensors, fields, headings = scans.ranges, scans.sensors, scans.fields, scans.headings
     starts, sure, views = plan
@@ -250,13 +249,13 @@ def _note_exactly(
     planes: Int64Array, used: Int64Array, place: Place, u: float, v: float, turn_u: float, turn_v: float,
     ranges: Float32Array, fields: Float64Array, reading_filter: ReadingFilter, resolution: float,
 ) -> None:  # fmt: skip
-    """Note what one scan says, with the exact test wherever rounding may decide."""
+    """Write the toggles of one scan, with the exact test wherever rounding may decide."""
     range_min, range_max, window, growth, no_return_free = reading_filter
     for k in range(len(ranges)):
         z = float(ranges[k])
         right_u, right_v = _turned(fields[k, 0], fields[k, 1], turn_u, turn_v)
         left_u, left_v = _turned(fields[k, 2], fields[k, 3], turn_u, turn_v)
-        if right_u == left_u and right_v == left_v:  # it sees nothing
+        if right_u == left_u and right_v == left_v:  # the field is empty
             continue
         if range_min <= z <= range_max:
             half = 0.5 * (window + growth * z)

@@ -1,10 +1,10 @@
-"""A beam's field as a sector of cells, exactly: where the rows of the grid enter and leave it.
+"""A beam's field as an exact sector of cells: where the rows of the grid enter and leave it.
 
-Ends of rows are found by division and square root; where that falls close to a cell's centre, the exact test of
-:func:`mapper.mapping.textbook.inverse_range_sensor_model` decides. That is for the few scans in which rounding may
-decide; all others are done by :mod:`mapper.mapping.kernels.field_boundary`. An edge is a unit vector (u along
-columns, v along rows); a sector is to the left of its right edge, the edge included, and to the right of its left
-edge. (u, v) is the sensor in lattice coordinates. What is found is marked in a bitmask: see
+Ends of rows are found by division and square root. Close to a cell's centre the exact test of
+:func:`mapper.mapping.textbook.inverse_range_sensor_model` decides. This module is for the few scans in which rounding
+may decide; all others are handled by :mod:`mapper.mapping.kernels.field_boundary`. An edge is a unit vector (u along
+columns, v along rows). A sector is to the left of its right edge, the edge included, and to the right of its left edge.
+(u, v) is the sensor in lattice coordinates. The result is marked in a bitmask, see
 :mod:`mapper.mapping.kernels.bitmask_fill`.
 """
 
@@ -18,12 +18,14 @@ from mapper.mapping.kernels.bitmask_fill import FREE, Place, _mark, _toggle
 from mapper.mapping.kernels.field_boundary import HAIR
 
 _FAR = 1 << 40  # beyond every column
-_CLOSE = 1e-3  # of a cell: nearer than this to a centre, the exact test decides
+_CLOSE = 1e-3  # cells: nearer to a centre than this, the exact test decides
 
 
 @jit
 def _close(ahead: float) -> bool:
-    """Return whether a place is so close to a cell's centre that rounding may decide; the next one is ``ahead``."""
+    """Return whether a position is so close to a cell's centre that rounding may decide; ``ahead`` is the distance to
+    it.
+    """
     return ahead < _CLOSE or ahead > 1.0 - _CLOSE
 
 
@@ -31,7 +33,7 @@ def _close(ahead: float) -> bool:
 def _crossing(edge_u: float, edge_v: float, slope: float, d_v: float, u: float, radius: float) -> int:
     """Return the first column beyond an edge's line on a row, going right; ``slope`` is edge_u / edge_v."""
     at = slope * d_v
-    if abs(at) > radius + 4.0:  # far outside the arc, where only the side counts
+    if abs(at) > radius + 4.0:  # far outside the arc, where only the side matters
         return floor(u + (radius + 4.0 if at > 0.0 else -radius - 4.0))
     at += u - 0.5
     column = floor(at) + 1
@@ -51,7 +53,7 @@ def _inside(column: int, d_v: float, u: float, limit: float, resolution: float, 
 
 @jit
 def _half_chord(d_v: float, radius: float) -> float:
-    """Return half the length of the chord that a circle cuts from a row, in cells; −1 where it cuts none."""
+    """Return half the length of the chord that a circle cuts from a row, in cells; −1 if there is none."""
     square = radius * radius - d_v * d_v
     return sqrt(max(square, 0.0)) if square > -1e-6 * radius * radius else -1.0
 
@@ -70,7 +72,7 @@ def _arc_first(half: float, d_v: float, u: float, limit: float, resolution: floa
 
 @jit
 def _arc_stop(half: float, d_v: float, u: float, limit: float, resolution: float, inclusive: bool) -> int:
-    """Return the column after the last one of a row whose centre is within ``limit`` metres."""
+    """Return the column after the last column of a row whose centre is within ``limit`` metres."""
     at = u + half - 0.5
     column = floor(at) + 1
     if _close(column - at):
@@ -82,16 +84,16 @@ def _arc_stop(half: float, d_v: float, u: float, limit: float, resolution: float
 
 @jit
 def _sector_rows(v: float, right_v: float, left_v: float, right_u: float, left_u: float, far: float) -> tuple[int, int]:
-    """Return the rows [first, stop) in which a sector has cells up to ``far`` cells away, a hair too many."""
+    """Return the rows [first, stop) in which a sector has cells up to ``far`` cells away, with a small margin."""
     low, high = min(right_v, left_v, 0.0) * far, max(right_v, left_v, 0.0) * far
-    if right_u * left_u <= 0.0:  # it holds the v axis, where the arc bulges out
+    if right_u * left_u <= 0.0:  # the sector contains the v axis, along which the arc extends farthest
         low, high = (low, far) if right_v + left_v > 0.0 else (-far, high)
     return ceil(v + low - 0.5 - HAIR), floor(v + high - 0.5 + HAIR) + 1
 
 
 @jit
 def _nonzero(value: float) -> float:
-    """Return a value to divide by: 1 where it is 0, in which case the quotient is not used."""
+    """Return a safe divisor: 1 if the value is 0, in which case the quotient is not used."""
     return value if value != 0.0 else 1.0
 
 
@@ -99,7 +101,7 @@ def _nonzero(value: float) -> float:
 def _bounds(
     right_u: float, right_v: float, left_u: float, left_v: float, d_v: float, u: float, radius: float
 ) -> tuple[int, int]:
-    """Return the columns [first, stop) of a row between a sector's edges, without regard to its arc."""
+    """Return the columns [first, stop) of a row between a sector's edges, ignoring its arc."""
     first, stop = -_FAR, _FAR
     right_slope, left_slope = right_u / _nonzero(right_v), left_u / _nonzero(left_v)
     if right_v > 0.0:
@@ -122,9 +124,9 @@ def _sector(
     planes: Int64Array, used: Int64Array, place: Place, u: float, v: float, right_u: float, right_v: float,
     left_u: float, left_v: float, limit: float, resolution: float,
 ) -> None:  # fmt: skip
-    """Toggle where rows enter and leave the sector of cells with s < ``limit`` metres.
+    """Toggle the cells at which rows enter and leave the sector of cells with s < ``limit`` metres.
 
-    Where two neighbours both reach, their toggles on the edge between them cancel.
+    If two neighbouring sectors both contain the shared edge, their toggles on it cancel.
     """
     radius = limit / resolution
     first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, radius)

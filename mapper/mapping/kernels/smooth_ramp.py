@@ -1,5 +1,4 @@
-"""The smooth ramp along Bresenham's lines: as :mod:`mapper.mapping.kernels.bresenham`, with evidence that differs in
-the window.
+"""Smooth ramp along Bresenham's lines: like :mod:`mapper.mapping.kernels.bresenham`, but evidence varies in the window.
 
 Numba twin of :func:`mapper.mapping.textbook.evidence_along_beam` for :class:`mapper.mapping.sensor_model.SmoothRamp`.
 """
@@ -59,9 +58,10 @@ def draw_ramps(
     box: Int64Array,
     mark: bool,
 ) -> int:
-    """Add what ``lines`` (9, n_scans · n_beams) say to the rows [row_low, row_high); return the number of updates.
+    """Add the evidence of ``lines`` (9, n_scans · n_beams) to the rows [row_low, row_high); return the number of
+    updates.
 
-    ``scans`` are those that the lines were planned from; the ramp leads from the miss of ``evidence`` to its hit; the
+    ``scans`` are those from which the lines were planned. The ramp rises from the miss of ``evidence`` to its hit. The
     other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`.
     """
     log_odds, observed, cols = cells
@@ -90,7 +90,7 @@ def draw_ramps(
             z = float(ranges[j // n_beams, j % n_beams])
             half = 0.5 * (window + growth * z)
             for i in range(first, stop):
-                if i == at:  # the endpoint's cell, which comes last
+                if i == at:  # the endpoint's cell is drawn last
                     continue
                 n = (2 * i * minor + major) // twice
                 r, c = row + s_row * (i if steep else n), col + s_col * (n if steep else i)

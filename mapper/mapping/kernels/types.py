@@ -1,6 +1,6 @@
 """Named tuples that the compiled updates take as arguments.
 
-numba passes the fields of a named tuple as if each were an argument of its own, so they cost nothing in a kernel.
+numba passes the fields of a named tuple as separate arguments, so they cost nothing in a kernel.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class LogOddsUpdate(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """The increments in float64, not rounded, for models whose evidence differs from cell to cell, log-odds."""
+    """The increments in float64, not rounded, log-odds; for models whose evidence varies between cells."""
 
     miss: float
     hit: float
@@ -43,7 +43,7 @@ class Cone(NamedTuple):
 
     profile: int  #: FLAT, GAUSSIAN or RAMP of :mod:`mapper.mapping.kernels.cones`
     opening: float  #: rad, from edge to edge
-    mark_endpoints: bool  #: whether the cells that hold endpoints get the hit increment in any case
+    mark_endpoints: bool  #: whether the cells that hold endpoints always get the hit increment
 
 
 class Scans(NamedTuple):
@@ -54,11 +54,11 @@ class Scans(NamedTuple):
     beams: Float64Array  #: (n_beams, 2): cosine and sine of the bearings
     fields: Float64Array  #: (n_beams, 4): cosine and sine of each field's right edge, then of its left edge
     headings: Float64Array  #: (n_scans, 2): cosine and sine of the sensor's heading along the lattice
-    numbers: Int64Array  #: (n_scans,): equal for rows that are beams of one scan, which follow one another
+    numbers: Int64Array  #: (n_scans,): equal for consecutive rows that are beams of one scan
 
 
 class Cells(NamedTuple):
-    """The cells of a grid row after row, flat."""
+    """The cells of a grid as flat arrays, row by row."""
 
     log_odds: Float32Array  #: (rows · cols,)
     observed: BoolArray  #: (rows · cols,)

@@ -1,6 +1,6 @@
-"""Correlative matching: the pose in a window at which the points of a scan collect the greatest score.
+"""Correlative matching: the pose in a window with the greatest total score of a scan's points.
 
-Exhaustive (Olson 2009) and by branch and bound (Hess et al. 2016). Both give the same pose: numba twins of
+Exhaustive (Olson 2009) and by branch and bound (Hess et al. 2016), with identical results. Numba twins of
 :func:`mapper.matching.textbook.scores_in_window`.
 """
 
@@ -21,7 +21,7 @@ _cell_of = jit(cell_of)
 
 
 class Window(NamedTuple):
-    """Poses around a guess: whole cells to each side along the grid's axes, and turns of whole steps."""
+    """Poses around a guess: whole cells to each side along the grid's axes, and whole steps of rotation."""
 
     cells: int  #: to each side
     turns: int  #: to each side
@@ -32,7 +32,7 @@ class Window(NamedTuple):
 def _write_cells(
     scans: ScanArrays, i: int, pose: Float64Array, window: Window, frame: Frame, stride: int, cells: Int32Array
 ) -> int:
-    """Write the cells (2 · turns + 1, n, 2), row and column, of the points at each turned pose; return n."""
+    """Write the cells (2 · turns + 1, n, 2), row and column, of the points at each rotation; return n."""
     n = 0
     for a in range(2 * window.turns + 1):
         theta = pose[2] + (a - window.turns) * window.turn
@@ -43,7 +43,7 @@ def _write_cells(
                 continue
             p_x, p_y = np.float64(scans.points[i, k, 0]), np.float64(scans.points[i, k, 1])
             u, v = _to_lattice(pose[0] + c * p_x - s * p_y, pose[1] + s * p_x + c * p_y, frame)
-            # Far outside all cells are alike.
+            # Far outside the grid all cells are equivalent.
             cells[a, n, 0] = int(min(max(_cell_of(v), -1e8), 1e8))
             cells[a, n, 1] = int(min(max(_cell_of(u), -1e8), 1e8))
             n += 1
@@ -54,13 +54,13 @@ def _write_cells(
 def _add_block(scores: UInt8Array, cells: Int32Array, n: int, row: int, col: int, step: int, total: Int32Array) -> None:
     """Write the sums (h, w) of the scores at n cells moved by (row + y · step, col + x · step) for all y and x.
 
-    A score (rows, cols) stands for the square of ``step`` cells from its cell on, so that for a square which begins
-    less than ``step`` cells before the grid the first row or column is read: it bounds the square's.
+    A score (rows, cols) stands for the square of ``step`` cells starting at its cell. For a square that begins less
+    than ``step`` cells before the grid, the first row or column is read, which bounds the square's score.
     """
     rows, cols = scores.shape
     h, w = total.shape
-    # Flat arrays and indices without a sign: a slice for each row would count its references, and an index that may be
-    # negative keeps the compiler from adding several cells at once.
+    # Flat arrays and unsigned indices: a slice per row would count references, and an index that may be negative
+    # prevents the compiler from adding several cells at once.
     flat, out = scores.reshape(-1), total.reshape(-1)
     out[:] = 0
     for k in range(n):
@@ -95,8 +95,8 @@ def score_window(
 ) -> int:
     """Write the score of each pose of a window (2 · turns + 1, 2 · cells + 1, 2 · cells + 1): turn, row, column.
 
-    ``scores`` (rows, cols) on ``frame``; each ``stride``-th point of scan i counts, those outside the grid with 0.
-    ``pose`` (3,) is the centre of the window. Returns the number of points.
+    ``scores`` (rows, cols) on ``frame``; every ``stride``-th point of scan i counts, and those outside the grid score
+    0. ``pose`` (3,) is the centre of the window. Returns the number of points.
     """
     cells = np.empty((2 * window.turns + 1, scans.points.shape[1] // stride + 1, 2), dtype=np.int32)
     n = _write_cells(scans, i, pose, window, frame, stride, cells)
@@ -107,7 +107,7 @@ def score_window(
 
 @jit
 def best_in_window(volume: Int32Array, best: Int64Array) -> None:
-    """Write the greatest score of a window, and its turn, row and column from the centre: the first of equals (4,)."""
+    """Write the greatest score of a window, and its turn, row and column from the centre (4,); the first of equals."""
     turns, cells = volume.shape[0] // 2, volume.shape[1] // 2
     best[0], best[1], best[2], best[3] = -1, 0, 0, 0
     for a in range(volume.shape[0]):
@@ -128,8 +128,9 @@ def _bound_blocks(
     stride: int,
     least: int,
 ) -> tuple[Int32Array, int, Int32Array, Int64Array]:
-    """Return the cells of the points and their number, the bound of each block of the top level, and the order of
-    the blocks with a bound of at least ``least``, the greatest bound first.
+    """Return the points' cells and their number, the bounds of the top-level blocks, and the sorted candidate blocks.
+
+    Candidates are the blocks with a bound of at least ``least``, the greatest bound first.
     """
     side = 1 << (levels.shape[0] - 1)
     blocks = (2 * window.cells + 1 + side - 1) // side
@@ -146,7 +147,7 @@ def _bound_blocks(
 
 @jit
 def _excluded(maxima: Int64Array, count: int, apart: Window, turn: int, y: int, x: int, side: int) -> bool:
-    """Return whether all poses of a block lie near one of the first ``count`` poses of ``maxima`` (k, 4)."""
+    """Return whether all poses of a block are near one of the first ``count`` poses of ``maxima`` (k, 4)."""
     for k in range(count):
         if (
             abs(turn - maxima[k, 1]) <= apart.turns
@@ -178,7 +179,7 @@ def _descend(
     size = 2 * window.cells + 1
     blocks = (size + side - 1) // side
     score, best_turn, best_y, best_x, is_any = least, window.turns + 1, 0, 0, False
-    # A stack of blocks: bound, level, row and column of the block's first pose from the window's first one.
+    # A stack of blocks: bound, level, and row and column of the block's first pose relative to the window's first pose.
     stack = np.empty((4 * top + 4, 4), dtype=np.int64)
     four = np.empty((2, 2), dtype=np.int32)
     for at in order:
@@ -196,14 +197,14 @@ def _descend(
             if bound < score or _excluded(best, k, apart, turn, y, x, 1 << level):
                 continue
             if level == 0:
-                # Of equal scores the first in the order of the window.
+                # Of equal scores the first in window order is chosen.
                 before = turn < best_turn or (turn == best_turn and (y < best_y or (y == best_y and x < best_x)))
                 if bound > score or not is_any or before:
                     score, best_turn, best_y, best_x, is_any = bound, turn, y, x, True
                 continue
             half = 1 << (level - 1)
             _add_block(levels[level - 1], cells[a], n, y, x, half, four)
-            # The best of the four comes on top, to be taken first.
+            # The best of the four is pushed last, to be processed first.
             begin = height
             for q in range(4):
                 row_q, col_q = row + (q >> 1) * half, col + (q & 1) * half
@@ -236,11 +237,11 @@ def best_modes(
     apart: Window,
     best: Int64Array,
 ) -> int:
-    """Write the best pose of the window, the best one apart from it, the best one apart from both, … (k, 4).
+    """Write the best pose of the window, then the best pose apart from all before, and so on (k, 4).
 
-    As :func:`branch_and_bound`, the same poses counting. A pose is apart from another by more than ``apart.cells`` in
-    row or column or by more than ``apart.turns``. Poses after the first count if they score at least its score times
-    ``share``; rows without a pose are −1, 0, 0, 0. Returns the number of points.
+    Poses are scored as in :func:`branch_and_bound`. Two poses are apart if they differ by more than ``apart.cells`` in
+    row or column, or by more than ``apart.turns``. Poses after the first need at least its score times ``share``; rows
+    without a pose are −1, 0, 0, 0. Returns the number of points.
     """
     least = max(least, 1)
     cells, n, flat, order = _bound_blocks(levels, frame, scans, i, pose, window, stride, least)
@@ -267,12 +268,12 @@ def branch_and_bound(
     least: int,
     best: Int64Array,
 ) -> int:
-    """Write what :func:`best_in_window` writes of the whole window, without scoring each pose of it.
+    """Write the result of :func:`best_in_window` for the whole window, without scoring each pose.
 
-    ``levels`` (n, rows, cols) are the grids of :func:`mapper.matching.kernels.score_field.write_pyramid`. A block of
-    2^l poses a side scores at most the sum over level l. Blocks of the top level are taken in the order of their
-    bounds, and divided into four where the bound is not below the best score so far. Poses that score less than
-    ``least`` (at least 1) do not count: where there is no other, ``best`` (4,) is −1, 0, 0, 0. Returns the number of
+    ``levels`` (n, rows, cols) are the grids of :func:`mapper.matching.kernels.score_field.write_pyramid`. The score of
+    a block of 2^l poses per side is bounded by the sum over level l. Top-level blocks are processed in the order of
+    their bounds, and divided into four if the bound is not below the best score so far. Poses that score less than
+    ``least`` (at least 1) do not count; if there is no other, ``best`` (4,) is −1, 0, 0, 0. Returns the number of
     points.
     """
     return best_modes(

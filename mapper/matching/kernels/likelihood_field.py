@@ -1,4 +1,4 @@
-"""Gauss–Newton of a scan on a smooth field of scores: scan to map without correspondences.
+"""Gauss–Newton alignment of a scan on a smooth score field: scan to map without correspondences.
 
 Source: Kohlbrecher et al. 2011, equations 4 to 14 (Hector SLAM); Hess et al. 2016, equation CS, with a bilinear field.
 Numba twin of :func:`mapper.matching.textbook.field_residuals`.
@@ -32,9 +32,9 @@ def accumulate_field(
 ) -> tuple[int, float]:
     """Write the normal equations of scan i at ``pose`` (3,) for the residuals e = 1 − M(R p + t) of its points.
 
-    M is ``scores`` / 255, bilinear between the centres of the cells; each ``stride``-th point of those that lie between
-    four centres counts. Written are ``hessian`` (3, 3) Σ JᵀJ and ``gradient`` (3,) −Σ Jᵀe. Returns the number of
-    points and Σ e².
+    M is ``scores`` / 255, bilinear between cell centres; every ``stride``-th of the points that lie between four
+    centres counts. Written are ``hessian`` (3, 3) Σ JᵀJ and ``gradient`` (3,) −Σ Jᵀe. Returns the number of points and
+    Σ e².
     """
     rows, cols = scores.shape
     c, s = cos(pose[2]), sin(pose[2])
@@ -89,8 +89,8 @@ def refine_on_field(
 ) -> tuple[int, float, int]:
     """Refine ``pose`` (3,) of scan i on a field, see :func:`accumulate_field`, without gates.
 
-    The iteration ends where a step makes Σ e² of the points, those outside counting 1, larger; that step is taken
-    back. ``hessian`` (3, 3) is that at the pose before the last step. Returns the number of points inside, Σ e² and the
+    The iteration ends when a step would increase Σ e² of the points, counting 1 for those outside; that step is undone.
+    ``hessian`` (3, 3) is that at the pose before the last step. Returns the number of points inside, Σ e² and the
     number of iterations.
     """
     gradient, step, before, trial = np.empty(3), np.empty(3), pose.copy(), np.empty((3, 3))

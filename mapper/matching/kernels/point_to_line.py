@@ -1,9 +1,9 @@
-"""Gauss–Newton between scans, with correspondences by bearing.
+"""Gauss–Newton alignment of scans, with correspondences by bearing.
 
 The residual of a point is its distance to the line through the corresponding point of the other scan
-(:mod:`mapper.matching.kernels.views`): Censi 2008. With the rule's residual POINTS it is the vector to that point:
-Besl & McKay 1992. Numba twins of :func:`mapper.matching.textbook.pairs_by_bearing` and of what
-:mod:`mapper.matching.textbook` makes of them.
+(:mod:`mapper.matching.kernels.views`): Censi 2008. With the residual POINTS it is the vector to that point: Besl &
+McKay 1992. Numba twins of :func:`mapper.matching.textbook.pairs_by_bearing` and the functions of
+:mod:`mapper.matching.textbook` that use it.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ def _weight(kind: int, scale: float, e: float) -> float:
 
 @jit
 def _of_other(hessian: Float64Array, gradient: Float64Array, a: float, b: float) -> None:
-    """Turn the normal equations for the step of the moving scan into those for the step of the other one, in place.
+    """Transform normal equations for a step of the moving scan to those for a step of the other scan, in place.
 
-    The other scan's step moves its lines, in x and y the opposite way, and turns them around its own place, (a, b):
-    its J is −(J_x, J_y, J_θ − a J_x − b J_y).
+    A step of the other scan moves its lines in the opposite direction in x and y, and rotates them about its own
+    position, (a, b): its J is −(J_x, J_y, J_θ − a J_x − b J_y).
     """
     for u in range(3):
         hessian[u, 2] -= a * hessian[u, 0] + b * hessian[u, 1]
@@ -71,13 +71,13 @@ def accumulate_scan(
 ) -> tuple[int, int, float, float]:
     """Add the normal equations of scan i of ``moving`` at ``pose`` against scan j of ``fixed`` at ``at``.
 
-    ``pose`` and ``at`` are ``T_map_base`` (3,). To ``hessian`` (3, 3) and ``gradient`` (3,) are added Σ w JᵀJ and
-    −Σ w Jᵀe over the pairs, for the step dx of (x, y, θ) in the map frame that solves ``hessian`` dx = ``gradient``.
-    Beams ``begin``, ``begin`` + ``rule.stride``, … of scan i are paired. Returns the number of pairs, the number of
-    points that lie in the other scan's field of view, Σ e² and Σ w e².
+    ``pose`` and ``at`` are ``T_map_base`` (3,). To ``hessian`` (3, 3) and ``gradient`` (3,) are added Σ w JᵀJ and −Σ w
+    Jᵀe over the pairs, for the step dx of (x, y, θ) in the map frame that solves ``hessian`` dx = ``gradient``. Beams
+    ``begin``, ``begin`` + ``rule.stride``, … of scan i are paired. Returns the number of pairs, the number of points in
+    the other scan's field of view, Σ e² and Σ w e².
     """
     c_i, s_i, c_j, s_j = cos(pose[2]), sin(pose[2]), cos(at[2]), sin(at[2])
-    turn_c, turn_s = c_j * c_i + s_j * s_i, c_j * s_i - s_j * c_i  # of the rotation from base i to base j
+    turn_c, turn_s = c_j * c_i + s_j * s_i, c_j * s_i - s_j * c_i  # rotation from base i to base j
     d_x, d_y = pose[0] - at[0], pose[1] - at[1]
     t_x, t_y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
     by_normal, to_line = rule.min_cosine > -1.0, rule.residual == LINE
@@ -94,7 +94,7 @@ def accumulate_scan(
             n += 1
     nearest = np.empty(n, dtype=np.int64)
     _pair_points(fixed, j, xy, n, gate, rule.max_beams, pair_kind, nearest)
-    paired = np.empty((n, 6))  # of each pair: the point turned and placed, what it is paired with
+    paired = np.empty((n, 6))  # for each pair: the point rotated and placed, and its partner
     pairs, tried = 0, 0
     for p in range(n):
         k, q = beams[p], nearest[p]
@@ -221,10 +221,10 @@ def accumulate_pairs(
 
 @jit
 def solve_step(hessian: Float64Array, gradient: Float64Array, step: Float64Array) -> bool:
-    """Write the solution (3,) of ``hessian`` · ``step`` = ``gradient``; return whether there is one.
+    """Solve ``hessian`` · ``step`` = ``gradient`` for ``step`` (3,); return whether there is a solution.
 
-    Cholesky's decomposition; a hessian with a pivot below 1e-12 of its largest diagonal element has none, and ``step``
-    is 0 then.
+    Cholesky decomposition. A Hessian with a pivot below 1e-12 of its largest diagonal element has no solution, and
+    ``step`` is then 0.
     """
     step[0] = step[1] = step[2] = 0.0
     least = 1e-12 * max(hessian[0, 0], hessian[1, 1], hessian[2, 2])
@@ -286,12 +286,12 @@ def refine_pose(
 ) -> tuple[int, int, float, float, int]:
     """Refine ``pose`` (3,) of scan i of ``moving`` against the scans ``others`` (k,) of ``fixed`` at their ``poses``.
 
-    With a stride each of the others is paired with other beams of scan i, and the sums count as many times as the
-    stride; until the last gate the stride is twice the rule's.
-    ``poses`` (n_scans of fixed, 3) and ``pose`` are ``T_map_base``; ``prior`` (3,) with ``prior_weight`` (3,), the
-    inverse variances in units of the pairs' (0: none), pulls the pose. ``pose`` and ``hessian`` (3, 3), of the pairs
-    and the prior at the last iteration's start, are written. Returns the number of pairs, the number of points in the
-    others' fields of view, Σ e², Σ w e² and the number of iterations.
+    With a stride, each of the others is paired with different beams of scan i, and the sums are multiplied by the
+    stride; until the last gate the stride is doubled. ``poses`` (n_scans of fixed, 3) and ``pose`` are ``T_map_base``.
+    ``prior`` (3,) with ``prior_weight`` (3,), the inverse variances in units of the pairs' (0: none), constrains the
+    pose. ``pose`` and ``hessian`` (3, 3), of the pairs and the prior at the start of the last iteration, are written.
+    Returns the number of pairs, the number of points in the others' fields of view, Σ e², Σ w e² and the number of
+    iterations.
     """
     gradient, step = np.empty(3), np.empty(3)
     pairs, tried, squares, weighted, done = 0, 0, 0.0, 0.0, 0
@@ -339,11 +339,13 @@ def refine_pair(
     pose: Float64Array,
     hessian: Float64Array,
 ) -> tuple[int, int, float, float, int]:
-    """Refine ``pose`` (3,) of scan i of ``moving`` against scan j of ``fixed`` at ``at`` (3,), with pairs both ways.
+    """Refine ``pose`` (3,) of scan i of ``moving`` against scan j of ``fixed`` at ``at`` (3,), with pairs in both
+    directions.
 
-    As :func:`refine_pose` without a prior, but the points of scan j are paired with scan i too, so that neither scan's
-    normals and holes count more. The scale of the weight is at least a quarter of the gate, so that pairs count while
-    the pose is still far off; until the last gate half of the beams do. ``hessian`` (3, 3) and the sums are of both.
+    Like :func:`refine_pose` without a prior, but the points of scan j are also paired with scan i, so that neither
+    scan's normals and gaps count more. The scale of the weight is at least a quarter of the gate, so that pairs count
+    while the pose is still far off; until the last gate half of the beams are used. ``hessian`` (3, 3) and the sums
+    cover both directions.
     """
     gradient, step, back, right = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty(3)
     pairs, tried, squares, weighted, done = 0, 0, 0.0, 0.0, 0

@@ -26,13 +26,13 @@ def write_points(
     points: Float32Array,
     kind: UInt8Array,
 ) -> None:
-    """Write the end point of each reading r with ``range_min`` ≤ r ≤ ``range_max`` in the base frame.
+    """Write the endpoint of each reading r with ``range_min`` ≤ r ≤ ``range_max`` in the base frame.
 
     ``ranges`` (n_scans, n_beams) metres; ``beams`` (n_beams, 2) cosine and sine of each bearing in the base frame,
-    ``sensor`` (2,) where they begin. While a scan is taken the base moves with ``velocities`` (n_scans, 3) in its own
-    frame, metres and radians a second; beam b is measured ``times`` (n_beams,) seconds after the first, and its point
-    is where it lies from the base's pose at the first beam's time.
-    ``points`` (n_scans, n_beams, 2) and ``kind`` (n_scans, n_beams) are written: 0 and NO_POINT for other readings.
+    ``sensor`` (2,) their origin. During a scan the base moves with ``velocities`` (n_scans, 3) in its own frame, metres
+    and radians per second. Beam b is measured ``times`` (n_beams,) seconds after the first, and its point is relative
+    to the base's pose at the time of the first beam. ``points`` (n_scans, n_beams, 2) and ``kind`` (n_scans, n_beams)
+    are written: 0 and NO_POINT for other readings.
     """
     for i in range(ranges.shape[0]):
         v_x, v_y, turning = velocities[i, 0], velocities[i, 1], velocities[i, 2]
@@ -54,14 +54,13 @@ def write_points(
 def write_normals(
     scans: ScanArrays, half_width: int, reach: float, most: int, least_gap: float, max_thickness: float
 ) -> None:
-    """Write the normal of the line through each point and its neighbours in bearing, where they lie on one.
+    """Write the normal of the line through each point and its neighbours in bearing, if they lie on a line.
 
-    Neighbours are the points of the ``half_width`` beams on either side, or of as many as ``reach`` metres across the
-    beams at that range have, at most ``most``, if they are nearer than a gap: the larger of
-    ``least_gap`` metres and three times the distance between beams at that range, for each beam between. The line is
-    the major axis of their scatter. There is a normal where three points or more are neighbours and the scatter along
-    the line is 8 times that across it, or that across it is below ``max_thickness``² m². ``scans.normals`` and
-    ``scans.kind`` are written.
+    Neighbours are the points of the ``half_width`` beams on either side, or of the beams within ``reach`` metres across
+    at that range, at most ``most``, if they are not separated by a gap: the larger of ``least_gap`` metres and three
+    times the distance between beams at that range, for each beam in between. The line is the major axis of their
+    scatter. A normal requires at least three points, and a scatter along the line of 8 times that across, or a scatter
+    across below ``max_thickness``² m². ``scans.normals`` and ``scans.kind`` are written.
     """
     points, normals, kind = scans.points, scans.normals, scans.kind
     for i in range(points.shape[0]):

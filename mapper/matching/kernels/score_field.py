@@ -1,4 +1,4 @@
-"""A grid of scores around points, for correlative matching: high in cells near a point, 0 far from all of them.
+"""Score grid around points, for correlative matching: high in cells near a point, 0 far from all points.
 
 Numba twins of :func:`mapper.matching.textbook.score_field` and :func:`mapper.matching.textbook.greatest_in_squares`.
 """
@@ -22,10 +22,10 @@ _cell_of = jit(cell_of)
 def add_scan(
     scores: UInt8Array, frame: Frame, stamps: UInt8Array, scans: ScanArrays, i: int, pose: Float64Array, stride: int
 ) -> int:
-    """Raise ``scores`` (rows, cols) to at least the stamp of each ``stride``-th point of scan i at ``pose`` (3,).
+    """Raise ``scores`` (rows, cols) to at least the stamp of every ``stride``-th point of scan i at ``pose`` (3,).
 
-    ``stamps`` (s, s, side, side) holds the scores around a point for each place of the point within its cell, rounded
-    to 1/s of a cell: row, then column. Points outside the grid and parts of stamps outside are left out. Returns the
+    ``stamps`` (s, s, side, side) holds the scores around a point for each position of the point within its cell,
+    rounded to 1/s of a cell: row, then column. Points and parts of stamps outside the grid are ignored. Returns the
     number of points inside.
     """
     rows, cols = scores.shape
@@ -55,10 +55,10 @@ def add_scan(
 
 @jit
 def write_pyramid(scores: UInt8Array, levels: UInt8Array) -> None:
-    """Write ``levels`` (n, rows, cols): of level l, the greatest score in the square of 2^l cells from each cell on.
+    """Write ``levels`` (n, rows, cols): at level l, the maximum score in the square of 2^l cells starting at each cell.
 
-    The square reaches from the cell to larger rows and columns, and ends at the grid's border. Level 0 is ``scores``.
-    Source: Hess et al. 2016, section V-B, precomputed grids.
+    The square extends to larger rows and columns, and ends at the grid's border. Level 0 is ``scores``. Source: Hess et
+    al. 2016, section V-B, precomputed grids.
     """
     rows, cols = scores.shape
     levels[0] = scores
@@ -67,12 +67,12 @@ def write_pyramid(scores: UInt8Array, levels: UInt8Array) -> None:
         reach = min(1 << (level - 1), cols)
         below, here = levels[level - 1], levels[level]
         for row in range(rows):
-            # Slices that begin where they are read, so that the compiler sees plain loops over bytes.
+            # Slices start at the first element read, so that the compiler sees plain loops over bytes.
             nearer, other, out = below[row], below[min(row + reach, rows - 1)], here[row]
             for col in range(cols):
                 higher[col] = max(nearer[col], other[col])
             ahead = higher[reach:]
             for col in range(len(ahead)):
                 out[col] = max(higher[col], ahead[col])
-            for col in range(len(ahead), cols):  # what is ahead lies outside
+            for col in range(len(ahead), cols):  # the cells ahead are outside
                 out[col] = higher[col]

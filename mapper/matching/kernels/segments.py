@@ -13,13 +13,13 @@ from mapper.matching.kernels.types import NO_POINT, ScanArrays
 
 @jit
 def split_scan(scans: ScanArrays, i: int, least_gap: float, thickness: float, fewest: int, segments: Int64Array) -> int:
-    """Write the first and last beam of each straight run of points of scan i; return how many there are.
+    """Write the first and last beam of each straight run of points of scan i; return their number.
 
-    A run ends where the next beam with a point is farther away than the larger of ``least_gap`` metres and three times
-    the distance between beams at that range, for each beam between. A run is split at the point that is farthest from
-    the line through its ends until none is farther than ``thickness`` metres; runs of fewer than ``fewest`` points are
-    left out. ``segments`` (n_beams, 2) is written in the order of the bearing. Source: Nguyen et al. 2007, split and
-    merge with the iterative end-point fit.
+    A run ends if the next beam with a point is farther away than the larger of ``least_gap`` metres and three times the
+    distance between beams at that range, for each beam in between. A run is split at the point farthest from the line
+    through its ends until none is farther than ``thickness`` metres; runs of fewer than ``fewest`` points are dropped.
+    ``segments`` (n_beams, 2) is written in the order of the bearing. Source: Nguyen et al. 2007, split and merge with
+    the iterative end-point fit.
     """
     points, kind = scans.points[i], scans.kind[i]
     n_beams = len(kind)
@@ -62,7 +62,7 @@ def split_scan(scans: ScanArrays, i: int, least_gap: float, thickness: float, fe
                 if off > farthest:
                     farthest, at = off, q
             if farthest > thickness:
-                # The later part waits below the earlier one.
+                # The later part is below the earlier one on the stack.
                 stack[height, 0], stack[height, 1] = at, last
                 stack[height + 1, 0], stack[height + 1, 1] = first, at
                 height += 2

@@ -6,18 +6,18 @@ from typing import NamedTuple
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array, UInt8Array
 
-#: What is known of a beam's reading.
+#: Kinds of readings of a beam.
 NO_POINT, POINT, POINT_WITH_NORMAL = 0, 1, 2
 
-#: The weight of a residual e with the scale s, as an M-estimator has it (Zhang 1997).
+#: Weight of a residual e with the scale s, as in M-estimators (Zhang 1997).
 SQUARES, HUBER, CAUCHY = 0, 1, 2
 
 
 class ScanArrays(NamedTuple):
-    """Scans as points in the frame of the robot's base, in the order of their bearing; each may be another sensor's.
+    """Scans as points in the robot's base frame, in the order of their bearing; their sensors may differ.
 
-    Beam b < ``n_beams``[i] of scan i sees in the direction ``first``[i] + b · ``step``[i] (``step`` > 0) from the
-    sensor at ``sensor``[i]. Points of beams without a usable reading, and normals of points without one, are 0.
+    Beam b < ``n_beams``[i] of scan i points in the direction ``first``[i] + b · ``step``[i] (``step`` > 0) from the
+    sensor at ``sensor``[i]. Points of beams without a usable reading, and missing normals, are 0.
     """
 
     points: Float32Array  #: (n_scans, most beams of a sensor, 2), m
@@ -26,23 +26,23 @@ class ScanArrays(NamedTuple):
     n_beams: Int64Array  #: (n_scans,)
     first: Float64Array  #: (n_scans,), rad
     step: Float64Array  #: (n_scans,), rad
-    wraps: BoolArray  #: (n_scans,): whether the beam after the last is the first: the sensor sees the whole circle
+    wraps: BoolArray  #: (n_scans,): whether the first beam follows the last: the sensor has a field of view of 360°
     sensor: Float64Array  #: (n_scans, 2), m
 
 
-#: The residual of a pair: its distance across the line of the other scan, or the vector from point to point.
+#: The residual of a pair: its distance from the line of the other scan, or the vector between the points.
 LINE, POINTS = 0, 1
 
 
 class PairRule(NamedTuple):
-    """Rule by which points of two scans correspond, and the weight of a pair."""
+    """Rule by which points of two scans are paired, and the weight of a pair."""
 
-    min_cosine: float  #: between the two normals; −1 takes all pairs, also of points without a normal
-    max_beams: int  #: by how many beams, either way, a corresponding beam may be off; all of them: the nearest point
+    min_cosine: float  #: between the two normals; −1 accepts all pairs, also of points without a normal
+    max_beams: int  #: maximum offset, in beams, of a corresponding beam; all beams: the nearest point
     weight: int  #: SQUARES, HUBER or CAUCHY
     scale: float  #: m, of the weight
-    stride: int  #: take each stride-th beam of the moving scan
-    keep: float = 1.0  #: the share of the pairs that counts, those with the smallest residuals
+    stride: int  #: use every stride-th beam of the moving scan
+    keep: float = 1.0  #: the fraction of the pairs that counts, those with the smallest residuals
     residual: int = 0  #: LINE or POINTS
 
 
@@ -53,5 +53,5 @@ class Iterations(NamedTuple):
     first_gate: float  #: m: points farther apart do not correspond
     last_gate: float  #: m
     shrink: float
-    stop_m: float  #: a step shorter than this, and turning by less than stop_rad, with the last gate, is the last one
+    stop_m: float  #: stop if a step is shorter than this and rotates by less than stop_rad, at the last gate
     stop_rad: float

@@ -1,7 +1,7 @@
 """Correspondences of two scans by the bearing at which one scan would have seen the points of the other.
 
-The point of the other scan nearest to a point is looked for among the beams around that bearing (projective data
-association: Blais & Levine 1995), outwards, until no farther beam can have a nearer point (Censi 2008, section IV).
+The nearest point of the other scan is searched among the beams around that bearing (projective data association: Blais
+& Levine 1995), outwards, until no farther beam can have a nearer point (Censi 2008, section IV).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 
 @jit
 def _write_centres(scans: ScanArrays, j: int, xy: Float64Array, n: int, centres: Int64Array) -> None:
-    """Write the beam of scan j in whose direction each of n points ``xy`` (., 2) of its base frame lies.
+    """Write the beam of scan j that points towards each of n points ``xy`` (., 2) of its base frame.
 
-    ``centres`` (n,) is −1 where no beam points.
+    ``centres`` (n,) is −1 outside the field of view.
     """
     n_beams, first, step, wraps = scans.n_beams[j], scans.first[j], scans.step[j], scans.wraps[j]
     sensor_x, sensor_y = scans.sensor[j, 0], scans.sensor[j, 1]
@@ -34,9 +34,9 @@ def _write_centres(scans: ScanArrays, j: int, xy: Float64Array, n: int, centres:
 
 @jit
 def _beams_of_circle(scans: ScanArrays, j: int) -> int:
-    """Return how many beams scan j would have if it looked all around, to the next greater number.
+    """Return the number of beams of scan j for a field of view of 360°, rounded up.
 
-    Steps that are rounded, as in a message of float32, do not make it one more.
+    Rounded steps, as in a float32 message, do not increase it by one.
     """
     n_beams = int(scans.n_beams[j])
     return n_beams if scans.wraps[j] else max(n_beams, ceil(2.0 * pi / scans.step[j] - 0.01))
@@ -56,19 +56,18 @@ def _write_nearest(
 ) -> None:
     """Write the beam of scan j whose point is nearest to each of n points ``xy`` (., 2) of its base frame.
 
-    The beams up to ``max_beams`` (n,) from ``centres`` (n,), those that point there, are asked; a centre where the scan
-    does not look has the number that such a beam would have. Points of a kind below ``least`` do not count. ``nearest``
-    (n,) is −1 where none lies within ``gate``, or the centre is −1.
-
-    All points are taken in one call, because numba counts the references to each array again in each call.
+    The beams up to ``max_beams`` (n,) away from ``centres`` (n,), those that point there, are searched. A centre
+    outside the field of view has the index that such a beam would have. Points of a kind below ``least`` are ignored.
+    ``nearest`` (n,) is −1 if no point is within ``gate``, or the centre is −1. All points are processed in one call,
+    because numba counts the references to each array in each call.
     """
     points, kind = scans.points[j], scans.kind[j]
     n_beams, step, wraps = scans.n_beams[j], scans.step[j], scans.wraps[j]
     sensor_x, sensor_y = scans.sensor[j, 0], scans.sensor[j, 1]
     ring = _beams_of_circle(scans, j)
     most = ring // 2
-    # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6. From the last beam
-    # on to the first it may be less: the steps need not divide the circle.
+    # A point k beams away is at a distance of at least r · sin δ, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6. Across
+    # the seam from the last to the first beam it may be less, because the steps need not divide the circle.
     excess = abs(ring * step - 2.0 * pi)
     widest = 0
     for p in range(n):
@@ -108,9 +107,9 @@ def _pair_points(
 ) -> None:
     """Write the beam of scan j whose point is nearest to each of n points ``xy`` (., 2) of its base frame, metres.
 
-    Those up to ``max_beams`` from the one that points there are asked. ``nearest`` (n,) is −1 where no point of a kind
-    from ``least`` on lies within ``gate``, and −2 for a point outside the field of view. Where ``max_beams`` is all
-    beams, a point outside the field of view has a nearest point too.
+    Beams up to ``max_beams`` away from the one that points there are searched. ``nearest`` (n,) is −1 if no point of
+    kind ``least`` or above is within ``gate``, and −2 for a point outside the field of view. If ``max_beams`` covers
+    all beams, a point outside the field of view has a nearest point too.
     """
     centres, limits = np.empty(n, dtype=np.int64), np.full(n, max_beams)
     _write_centres(scans, j, xy, n, centres)
@@ -130,9 +129,9 @@ def _pair_points(
 
 @jit
 def _measured_around(scans: ScanArrays, j: int, centre: int, beams: int) -> tuple[float, int]:
-    """Return the least range that scan j has among the ``beams`` beams on either side of one, and how many have any.
+    """Return the minimum range of scan j among the ``beams`` beams on either side of one, and how many have a range.
 
-    The range is 1e300 where none has.
+    The minimum is 1e300 if none has.
     """
     n_beams = scans.n_beams[j]
     least, seen = 1e300, 0
@@ -161,11 +160,11 @@ def compare_views(
     gate: float,
     max_beams: int,
 ) -> tuple[int, int, int, float]:
-    """Return how what scan i of ``moving`` at ``pose`` saw agrees with what scan j of ``fixed`` at ``at`` saw.
+    """Compare scan i of ``moving`` at ``pose`` with scan j of ``fixed`` at ``at``.
 
-    Returned are the number of points nearer than ``gate`` to a point of the other scan; of those that the other scan
-    saw through: farther than ``gate`` in front of what it measured in that direction and on either side; of those
-    behind what it measured; and Σ (1 − d² / gate²) over the first, where d is the distance.
+    Returned are the number of points nearer than ``gate`` to a point of the other scan; the number that the other scan
+    saw through (farther than ``gate`` in front of its measurements in that direction and on either side); the number
+    behind its measurements; and Σ (1 − d² / gate²) over the first, where d is the distance.
     """
     c_i, s_i, c_j, s_j = cos(pose[2]), sin(pose[2]), cos(at[2]), sin(at[2])
     turn_c, turn_s = c_j * c_i + s_j * s_i, c_j * s_i - s_j * c_i

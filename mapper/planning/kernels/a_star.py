@@ -1,4 +1,4 @@
-"""A* with a binary heap in which each cell stands at most once."""
+"""A* with a binary heap that contains each cell at most once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NOT_WAITING, EXPANDED = -1, -2
 
 @jit
 def _sift_up(keys: Float64Array, cells: Int32Array, slots: Int32Array, k: int, key: float, cell: int) -> None:
-    """Put a cell at slot ``k`` of the heap or above; cells are in the order of their keys, then of their numbers."""
+    """Insert a cell at slot ``k`` of the heap or above; cells are ordered by key, then by index."""
     while k > 0:
         up = (k - 1) // 2
         if keys[up] < key or (keys[up] == key and cells[up] <= cell):
@@ -28,7 +28,7 @@ def _sift_up(keys: Float64Array, cells: Int32Array, slots: Int32Array, k: int, k
 
 @jit
 def _drop_first(keys: Float64Array, cells: Int32Array, slots: Int32Array, n: int) -> None:
-    """Take the first of the ``n`` cells out of the heap."""
+    """Remove the first of the ``n`` cells from the heap."""
     key, cell = keys[n - 1], cells[n - 1]
     k = 0
     while 2 * k + 1 < n - 1:
@@ -56,11 +56,7 @@ def search(
     slots: Int32Array,
     out: Float64Array,
 ) -> None:
-    """Write the cost to come (rows, cols) of the cells that A* expands; infinity elsewhere.
-
-    Numba twin of :func:`mapper.planning.textbook.a_star`. Cells are row · cols + col. ``least`` is the cheapest step;
-    ``keys``, ``cells`` and ``slots`` (rows · cols,) are working memory.
-    """
+    """Write the cost-to-come (rows, cols) of the cells expanded by A*; infinity elsewhere."""
     cols = costs.shape[1]
     goal_row, goal_col = goal // cols, goal % cols
     out[:] = inf

@@ -1,4 +1,4 @@
-"""Steps between the cells of a costmap, and the way back along the cost to come."""
+"""Steps between the cells of a costmap, and backtracking along the cost-to-come."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DIAGONAL = sqrt(2.0)
 def _is_open(costs: UInt8Array, table: Float64Array, row: int, col: int, k: int) -> bool:
     """Return whether step ``k`` from a cell stays in the map and does not pass between two blocked cells.
 
-    Whether the cell that it leads to is blocked is not looked at.
+    It does not check whether the target cell is blocked.
     """
     to_row, to_col = row + D_ROW[k], col + D_COL[k]
     if to_row < 0 or to_col < 0 or to_row >= costs.shape[0] or to_col >= costs.shape[1]:
@@ -30,10 +30,10 @@ def _is_open(costs: UInt8Array, table: Float64Array, row: int, col: int, k: int)
 def trace_back(
     costs: UInt8Array, table: Float64Array, potential: Float64Array, start: int, goal: int, out: Int32Array
 ) -> int:
-    """Write the cells of the cheapest way, from the goal to the start, into ``out``; return how many they are.
+    """Write the cells of the cheapest path, from the goal to the start, into ``out``; return their number.
 
-    Cells are row · cols + col. Numba twin of :func:`mapper.planning.textbook.path_back`, whose order is the reverse.
-    At most as many as ``out`` holds are written.
+    Cells are row · cols + col. Numba twin of :func:`mapper.planning.textbook.path_back`, in reverse order. No more
+    cells than ``out`` holds are written.
     """
     cols = costs.shape[1]
     here, n = goal, 0

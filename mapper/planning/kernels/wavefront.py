@@ -1,8 +1,8 @@
-"""Dijkstra's algorithm with buckets: the cost to come of every cell that costs no more than the goal.
+"""Dijkstra's algorithm with buckets: the cost-to-come of every cell that costs no more than the goal.
 
-Cells wait in buckets that are narrower than the cheapest step. No step leads from a bucket back into the same one, so
-the cells of the lowest bucket are final whatever their order, and no heap is needed. Source: Dial, Algorithm 360:
-Shortest-Path Forest with Topological Ordering, 1969.
+Cells are kept in buckets narrower than the cheapest step. No step leads from a bucket into the same one, so the cells
+of the lowest bucket are final in any order, and no heap is needed. Source: Dial, Algorithm 360: Shortest-Path Forest
+with Topological Ordering, 1969.
 """
 
 from __future__ import annotations
@@ -28,13 +28,12 @@ def spread(
     before: Int32Array,
     out: Float64Array,
 ) -> None:
-    """Write the cost to come (rows, cols) of each cell from ``start``; infinity for what costs more than ``goal``.
+    """Write the cost-to-come (rows, cols) from ``start``; infinity for cells that cost more than ``goal``.
 
-    With a ``goal`` below 0 that of all cells.
-
-    Numba twin of :func:`mapper.planning.textbook.dijkstra`. Cells are row · cols + col. ``width`` of a bucket is
-    less than the cheapest step; ``heads`` (more than the dearest step / width + 1,) and ``after`` and ``before``
-    (rows · cols,) are working memory: each bucket is a list of cells linked in both directions.
+    With a ``goal`` below 0 all cells are covered. Numba twin of :func:`mapper.planning.textbook.dijkstra`. Cells are
+    row · cols + col. ``width``, that of a bucket, is less than the cheapest step. ``heads`` (more than the most
+    expensive step / width + 1,) and ``after`` and ``before`` (rows · cols,) are working memory: each bucket is a doubly
+    linked list of cells.
     """
     cols = costs.shape[1]
     n = heads.shape[0]

@@ -1,1 +1,1 @@
-"""Planar scans cut out of point clouds and depth images."""
+"""Planar scans extracted from point clouds and depth images."""

@@ -1,9 +1,10 @@
-"""A planar scan out of a point cloud: the nearest point of a height band in each direction. Beams of a sensor that
-tilts end at points, which are cut as a cloud's.
+"""Planar scan from a point cloud: the nearest point of a height band in each direction.
 
-Source: the ROS package pointcloud_to_laserscan. It differs in two ways. Ranges are measured from where the sensor is,
-seen from above, not from the target frame's origin, since that is where its rays begin; and a direction in which the
-cloud has no point at all says nothing (NaN), where that package says "no return" (+Inf).
+The beams of a tilting sensor are converted to points and treated as a cloud.
+
+Source: the ROS package pointcloud_to_laserscan, with two differences. Ranges are measured from the sensor's position
+seen from above, not from the target frame's origin, because its rays start there. A direction without any point is NaN,
+while that package reports "no return" (+Inf).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ class Placement:
 
     @property
     def mount(self) -> tuple[float, float, float]:
-        """``T_base_scan`` (m, m, rad) of the scans that are cut: at the sensor's place, along the base's axes."""
+        """``T_base_scan`` (m, m, rad) of the extracted scans: at the sensor's position, parallel to the base's axes."""
         return (float(self.translation[0]), float(self.translation[1]), 0.0)
 
 
@@ -33,21 +34,20 @@ NOT_PLACED = Placement(np.eye(3), np.zeros(3))
 
 
 def empty_scan(cut: PlanarCut) -> NDArray[np.float32]:
-    """Return the ranges (n_beams,) of a scan that no point has been added to: NaN."""
+    """Return the ranges (n_beams,) of a scan without points: NaN."""
     return np.full(cut.n_beams, np.nan, dtype=np.float32)
 
 
 def first_beam(cut: PlanarCut) -> float:
-    """Return the bearing of the first beam, radians: the middle of the sector whose points it stands for."""
+    """Return the bearing of the first beam, radians: the middle of its sector."""
     return cut.angle_min + 0.5 * cut.angle_increment
 
 
 def add_points(points: NDArray[np.float64], placement: Placement, cut: PlanarCut, ranges: NDArray[np.float32]) -> None:
     """Add points (n, 3) of a cloud, metres in its frame, to the ``ranges`` (n_beams,) of its scan.
 
-    Each beam gets the distance, seen from above, of the nearest point of its sector whose height in the base frame and
-    whose distance are within the cut's; +Inf where its sector has other points only. Points that are not finite are
-    left out.
+    Each beam is the horizontal distance of the nearest point of its sector with height (in the base frame) and distance
+    within the limits of ``cut``; +Inf if its sector has only other points. Non-finite points are ignored.
     """
     (rx, ry, rz), t = placement.rotation, placement.translation
     px, py, pz = points.T
@@ -78,12 +78,12 @@ def cut_tilted(
     translations: NDArray[np.float64],
     cut: PlanarCut,
 ) -> NDArray[np.float32]:
-    """Return level scans (n, cut.n_beams) of a sensor that was at other poses in the base frame at each of n scans.
+    """Return level scans (n, cut.n_beams) of a sensor whose pose in the base frame differs between n scans.
 
     ``ranges`` (n, n_beams) metres with ``bearings`` (n_beams,) radians in the sensor's plane; those outside ``limits``
-    are no points. ``rotations`` (n, 3, 3) and ``translations`` (n, 3) are ``T_base_sensor``. Each scan is what
-    :func:`mapper.sensors.planar.cloud.add_points` makes of the points where its beams ended; a beam without a return
-    says nothing, for what it passed above is not known.
+    are ignored. ``rotations`` (n, 3, 3) and ``translations`` (n, 3) are ``T_base_sensor``. Each scan is the result of
+    :func:`mapper.sensors.planar.cloud.add_points` for the endpoints of its beams. A beam without return contributes
+    nothing, because the height at which it passed obstacles is not known.
     """
     out = np.tile(empty_scan(cut), (len(ranges), 1))
     rays = np.stack([np.cos(bearings), np.sin(bearings), np.zeros(len(bearings))], axis=1)

@@ -1,7 +1,7 @@
-"""A planar scan out of a depth image: the nearest pixel of some rows in each direction.
+"""Planar scan from a depth image: the nearest pixel of some rows in each direction.
 
-Source: the ROS package depthimage_to_laserscan, and its pinhole model: the pixel (u, v) with the depth z is the point
-x = (u − cx) z / fx to the right of the optical axis. The camera is taken to be level.
+Source: the ROS package depthimage_to_laserscan and its pinhole model: the pixel (u, v) with depth z is the point x = (u
+− cx) z / fx to the right of the optical axis. The camera is assumed to be level.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from mapper.sensors.planar.options import PlanarCut
 
 
 def cut_depth(depth: NDArray[np.float32], camera: Intrinsics, cut: PlanarCut) -> NDArray[np.float32]:
-    """Return the ranges (width,) of the scan that is cut out of a depth image (height, width), metres.
+    """Return the ranges (width,) of the scan extracted from a depth image (height, width), metres.
 
-    A beam gets the nearest of its pixels' distances within the cut's range; without one +Inf if a pixel says so, else
-    NaN. Beams run counter-clockwise, so the first is at the image's right edge. Raises :class:`ConfigError` for an
-    image of another size than the camera's, and for more rows than there are around the optical centre.
+    A beam is the nearest of its pixels' distances within the cut's range; otherwise +Inf if a pixel is +Inf, else NaN.
+    Beams run counter-clockwise, so the first is at the image's right edge. Raises :class:`ConfigError` for an image of
+    another size than the camera's, and for more rows than there are around the optical centre.
     """
     camera.check_size(depth, "a CameraInfo")
     half = 0.5 * cut.scan_height

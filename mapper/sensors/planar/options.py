@@ -1,7 +1,7 @@
-"""Options for planar scans cut out of point clouds and depth images.
+"""Options for planar scans extracted from point clouds and depth images.
 
-Names and first values are those of the ROS packages pointcloud_to_laserscan and depthimage_to_laserscan; heights that
-are not limited there have a limit of :data:`HIGHEST` here.
+Names and initial values are those of the ROS packages pointcloud_to_laserscan and depthimage_to_laserscan. Heights that
+are unlimited there are limited to :data:`HIGHEST` here.
 """
 
 from __future__ import annotations
@@ -22,28 +22,28 @@ def _number(label: str, initial: float, bounds: tuple[float, float], unit: str, 
 
 _HEIGHTS, _BEARINGS = (-HIGHEST, HIGHEST), (-math.pi, math.pi)
 
-#: Types of messages out of which scans are cut, without their package: clouds (CustomMsg is Livox's), depth images.
+#: Message types from which scans are extracted, without their package: clouds (CustomMsg is Livox's), depth images.
 CLOUDS, IMAGE = ("PointCloud2", "CustomMsg"), "Image"
 
 
 def is_cut(kind: str) -> bool:
-    """Return whether scans are cut out of messages of the type ``kind``."""
+    """Return whether scans are extracted from messages of the type ``kind``."""
     return kind.rpartition("/")[2] in (*CLOUDS, IMAGE)
 
 
 def applies(row: Parameter, kind: str) -> bool:
-    """Return whether a row of :data:`PARAMETERS` concerns messages of the type ``kind``."""
+    """Return whether a row of :data:`PARAMETERS` applies to messages of the type ``kind``."""
     name = kind.rpartition("/")[2]
     return name == IMAGE if row.name == "scan_height" else name in CLOUDS
 
 
 @dataclass(frozen=True, slots=True)
 class PlanarCut:
-    """One value for each row of :data:`PARAMETERS`, metres, radians and pixels.
+    """Values of all rows of :data:`PARAMETERS`; metres, radians and pixels.
 
-    ``cloud_range`` and ``depth_range`` (least, greatest) metres are the readings that count. ``output_frame`` is the
-    frame, x ahead, that a scan of a depth image is stated in; empty: the image's own. Raises :class:`ConfigError` for
-    values outside the table's bounds, and for a band or a sector that is empty.
+    ``cloud_range`` and ``depth_range`` are (minimum, maximum) valid readings in metres. ``output_frame`` is the frame,
+    x forward, of scans from depth images; empty: the image's own. Raises :class:`ConfigError` for values outside the
+    table's bounds, and for an empty band or sector.
     """
 
     # fmt: off
@@ -91,9 +91,9 @@ class PlanarCut:
 
     @staticmethod
     def of(values: Mapping[str, object]) -> PlanarCut:
-        """Return the cut with these values of :data:`PARAMETERS`, the first values of all others.
+        """Return a cut with these values of :data:`PARAMETERS` and the initial values of all others.
 
-        Raises :class:`ConfigError` for names that the table lacks, and as the constructor does.
+        Raises :class:`ConfigError` for names that the table lacks, and the errors of the constructor.
         """
         unknown = sorted(values.keys() - BY_NAME.keys())
         if unknown:
@@ -107,7 +107,7 @@ class PlanarCut:
 
     @property
     def n_beams(self) -> int:
-        """Beams of a scan that is cut out of a cloud."""
+        """Number of beams of a scan extracted from a cloud."""
         return math.ceil((self.angle_max - self.angle_min) / self.angle_increment)
 
 

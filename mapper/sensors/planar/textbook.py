@@ -1,4 +1,4 @@
-"""Planar scans out of clouds and depth images, point by point, as the ROS packages' programs do it."""
+"""Planar scans from clouds and depth images, point by point, as in the ROS packages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mapper.sensors.planar.options import PlanarCut
 
 
 def cut_cloud(points: NDArray[np.float64], placement: Placement, cut: PlanarCut) -> NDArray[np.float32]:
-    """Return the ranges (n_beams,) of the scan that :func:`mapper.sensors.planar.cloud.add_points` makes of points."""
+    """Return the ranges (n_beams,) that :func:`mapper.sensors.planar.cloud.add_points` computes from points."""
     ranges = np.full(cut.n_beams, np.nan, dtype=np.float32)
     r, t = placement.rotation.tolist(), placement.translation.tolist()
     for px, py, pz in points.tolist():
@@ -38,9 +38,10 @@ def cut_cloud(points: NDArray[np.float64], placement: Placement, cut: PlanarCut)
 
 
 def cut_depth(depth: NDArray[np.float32], camera: Intrinsics, cut: PlanarCut) -> NDArray[np.float32]:
-    """Return the ranges (width,) that :func:`mapper.sensors.planar.depth.cut_depth` makes of an image (height, width).
+    """Return the ranges (width,) that :func:`mapper.sensors.planar.depth.cut_depth` computes from an image (height,
+    width).
 
-    Pixel by pixel, with depthimage_to_laserscan's rule of which of two readings a beam keeps (``use_point``).
+    Works pixel by pixel, with depthimage_to_laserscan's rule for choosing between two readings (``use_point``).
     """
     ranges = np.full(camera.width, np.nan, dtype=np.float32)
     first, step = camera.beams()
@@ -59,7 +60,7 @@ def cut_depth(depth: NDArray[np.float32], camera: Intrinsics, cut: PlanarCut) ->
 
 def _use_point(new: float, old: float, limits: tuple[float, float]) -> bool:
     if not math.isfinite(new) and not math.isfinite(old):
-        return not math.isnan(new)  # an infinity says more than no number
+        return not math.isnan(new)  # +Inf is preferred to NaN
     if not limits[0] <= new <= limits[1]:
         return False
     return not math.isfinite(old) or new < old

@@ -1,6 +1,6 @@
-"""The motion of the simulated robot: physics steps, and the steering along a path between two plans, in one call.
+"""Motion of the simulated robot: physics steps and path following between two plans, in one call.
 
-Twin of :mod:`mapper.simulation.textbook_driving`, to the last bit: the paths of recorded stories depend on it.
+Twin of :mod:`mapper.simulation.textbook_driving`, to the last bit, because the paths of recorded stories depend on it.
 """
 
 from __future__ import annotations
@@ -15,54 +15,54 @@ from mapper.simulation.kernels.raycast import arc_clearance, farthest_in_sight, 
 
 STEP = 0.02  #: seconds of one physics step
 CONTROL_STEPS = 2  #: physics steps between two decisions of the explorer
-NOTE_STEPS = 25  #: physics steps between two notes of where the robot was
+NOTE_STEPS = 25  #: physics steps between two records of the robot's position
 
 MAX_LINEAR = 1.0  #: m/s
 MAX_ANGULAR = 1.5  #: rad/s
 LINEAR_ACCELERATION = 1.2  #: m/s²
 BRAKING = 2.0  #: m/s²
 ANGULAR_ACCELERATION = 5.0  #: rad/s²
-STALLED = 0.3  #: share of the commanded speed below which the robot stops at a wall instead of sliding along it
+STALLED = 0.3  #: fraction of the commanded speed below which the robot stops at a wall instead of sliding along it
 SKIN = 1e-4  #: metres kept from every wall, so that rounding never lets the robot touch
 
 CRUISE, CAREFUL = 0.9, 0.6  #: m/s in the open and between walls
 MARGIN = 0.03  #: metres beyond the radius that a path needs everywhere
 SPARE = 0.005  #: metres beyond the radius that the next half second needs
 LOOKAHEAD_POINTS = 6  #: points of a path, 0.1 m from one to the next, within the lookahead
-SEARCHED_POINTS = 20  #: of a path, among which the nearest to the robot is sought
-GOAL_POINTS = 14  #: points before its end at which a path is not looked at yet
-ARRIVED = 0.7  #: metres before a goal at which the next is chosen, so that the robot does not halt
-STUCK_AFTER = 2.5  #: seconds without progress after which the goal is given up
-OPEN = 0.9  #: metres of clearance above which the robot is in the open
+SEARCHED_POINTS = 20  #: points of a path among which the nearest to the robot is searched
+GOAL_POINTS = 14  #: points before its end up to which a path is not examined
+ARRIVED = 0.7  #: metres before a goal at which the next is chosen, so that the robot does not stop
+STUCK_AFTER = 2.5  #: seconds without progress after which the goal is dropped
+OPEN = 0.9  #: metres of clearance above which the robot is in open space
 
-MOTION_S, MOTION_SAMPLES = 0.5, 5  #: the motion that is tested ahead: seconds, and places in it beyond the first
-MOVED = 0.2  #: metres along an axis after which the edges near by are chosen again
-REACH = MOVED + MAX_LINEAR * MOTION_S + 0.05  #: metres along each axis within which places are tested against them
+MOTION_S, MOTION_SAMPLES = 0.5, 5  #: the motion tested ahead: seconds, and number of positions after the first
+MOVED = 0.2  #: metres along an axis after which the nearby edges are selected again
+REACH = MOVED + MAX_LINEAR * MOTION_S + 0.05  #: metres along each axis within which positions are tested against them
 
-#: The state of a robot that :func:`drive` changes: ``T_map_base`` (m, m, rad) now and a step ago, velocities (m/s,
-#: rad/s), the commanded ones, the place (m, m) and the time (s) of its last progress, and the first point of the path
-#: that is not behind it.
+#: State of a robot that :func:`drive` modifies: ``T_map_base`` (m, m, rad) now and a step ago, velocities (m/s, rad/s),
+#: the commanded ones, the position (m, m) and the time (s) of its last progress, and the first point of the path that
+#: is not behind it.
 (
     X, Y, YAW, LINEAR, ANGULAR, WANTED_LINEAR, WANTED_ANGULAR, PROGRESS_X, PROGRESS_Y, PROGRESS_TIME,
     BEFORE_X, BEFORE_Y, BEFORE_YAW, FIRST,
 ) = range(14)  # fmt: skip
 
-#: What of the steering is known at the first step: nothing, the path is new, or the commanded velocities.
+#: Known steering input at the first step: nothing, a new path, or the commanded velocities.
 NOTHING, PATH, VELOCITIES = 0, 1, 2
 
 
 @jit
 def _hypot(x: float, y: float) -> float:
-    """Return √(x² + y²), rounded correctly but in rare cases, as Python's ``math.hypot`` does.
+    """Return √(x² + y²), correctly rounded except in rare cases, like Python's ``math.hypot``.
 
-    Source: Borges, An improved algorithm for hypot(a, b), 2019, as CPython 3.11 has it. The C library's function
-    differs in the last bit in one of two hundred cases.
+    Source: Borges, An improved algorithm for hypot(a, b), 2019, as in CPython 3.11. The C library's function differs in
+    the last bit in one of two hundred cases.
     """
     x, y = abs(x), abs(y)
     greatest = max(x, y)
     if greatest == 0.0 or not math.isfinite(greatest):
         return greatest
-    shift = 2.0**600 if greatest < 2.0**-500 else 1.0  # the scale of the least numbers would be infinite
+    shift = 2.0**600 if greatest < 2.0**-500 else 1.0  # the scale of the smallest numbers would be infinite
     x, y, greatest = x * shift, y * shift, greatest * shift
     scale = 2.0 ** -math.frexp(greatest)[1]
     total, rest_1, rest_2, rest_3 = 1.0, 0.0, 0.0, 0.0
@@ -82,7 +82,7 @@ def _hypot(x: float, y: float) -> float:
 
 @jit
 def _halves(value: float) -> tuple[float, float]:
-    """Return a number as the sum of two with half of its digits each (Veltkamp)."""
+    """Split a number into the sum of two with half of its digits each (Veltkamp)."""
     t = value * 134217729.0
     high = t - (t - value)
     return high, value - high
@@ -90,14 +90,14 @@ def _halves(value: float) -> tuple[float, float]:
 
 @jit
 def _added(total: float, rest: float, value: float) -> tuple[float, float]:
-    """Return ``total`` + ``value``, rounded, and what rounding left out, added to ``rest``; |total| ≥ |value|."""
+    """Return ``total`` + ``value``, rounded, and ``rest`` plus the rounding error; |total| ≥ |value|."""
     after = total + value
     return after, rest + ((total - after) + value)
 
 
 @jit
 def _half_turned(angle: float) -> float:
-    """Return the same direction in [−π, π] for an angle within ±3π: IEEE 754's remainder by 2π, which is exact here."""
+    """Wrap an angle within ±3π to [−π, π]: IEEE 754's remainder by 2π, which is exact here."""
     if angle > math.pi:
         return angle - 2.0 * math.pi
     return angle + 2.0 * math.pi if angle < -math.pi else angle
@@ -110,10 +110,10 @@ def _clip(value: float, limit: float) -> float:
 
 @jit
 def _near_by(segments: Float64Array, radius: float, x: float, y: float) -> Float64Array:
-    """Return the edges, in their order, that decide at places within :data:`REACH` of (x, y) along both axes.
+    """Return the edges, in order, that affect positions within :data:`REACH` of (x, y) along both axes.
 
-    That is, the edges within the greatest distance that a decision asks for, and those that a ray to the right, by
-    which :func:`nearest_edge` tells the inside of solids, may cross. All edges where the robot does not fit.
+    These are the edges within the maximum distance of any decision, and those that a ray to the right, by which
+    :func:`nearest_edge` detects the inside of solids, may cross. All edges are returned if the robot does not fit.
     """
     room = REACH + max(OPEN, radius + 0.1) + 1e-6
     near = np.empty((segments.shape[0], 4))
@@ -133,11 +133,11 @@ def _near_by(segments: Float64Array, radius: float, x: float, y: float) -> Float
 def _kept_free(
     segments: Float64Array, radius: float, x: float, y: float, to_x: float, to_y: float
 ) -> tuple[float, float, bool]:
-    """Return a place near (to_x, to_y) where the robot fits, and whether a wall blocked the motion from (x, y)."""
+    """Return a position near (to_x, to_y) where the robot fits, and whether a wall blocked the motion from (x, y)."""
     least = radius + SKIN
     nearest = np.zeros(2)
     touched = False
-    for _ in range(3):  # a corner has two walls; a place that three corrections do not free is too tight
+    for _ in range(3):  # a corner has two walls; a position that three corrections do not free is too tight
         clearance = nearest_edge(segments, to_x, to_y, nearest)
         if clearance >= least:
             return to_x, to_y, touched
@@ -154,10 +154,7 @@ def _kept_free(
 
 @jit
 def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
-    """Move for a :data:`STEP` towards the commanded velocities.
-
-    See :meth:`mapper.simulation.textbook_driving.Drive.step`.
-    """
+    """Move for a :data:`STEP` towards the commanded velocities."""
     before, target = state[LINEAR], state[WANTED_LINEAR]
     slowing = abs(target) < abs(before) or target * before < 0.0
     rate = BRAKING if slowing else LINEAR_ACCELERATION
@@ -180,7 +177,7 @@ def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
 def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
     """Update the last progress and the first point of the path at ``time``, seconds; return whether a path is needed.
 
-    A robot has made progress once it is 0.1 m from the place of its last progress. It needs another path where it has
+    A robot has made progress once it is 0.1 m from the position of its last progress. It needs another path if it has
     none, has made no progress for :data:`STUCK_AFTER`, or is nearer than :data:`ARRIVED` to the end of its path.
     """
     x, y = state[X], state[Y]
@@ -202,10 +199,7 @@ def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
 def _steer(
     segments: Float64Array, near: Float64Array, radius: float, path: Float64Array, state: Float64Array, two: float
 ) -> None:
-    """Command the velocities that follow the path; ``near`` is :func:`_near_by` of ``segments``, ``two`` is 2.
-
-    See :meth:`mapper.simulation.textbook_driving.Drive.velocities`.
-    """
+    """Command velocities for following the path; ``near`` is :func:`_near_by` of ``segments``, ``two`` is 2."""
     x, y, yaw = state[X], state[Y], state[YAW]
     left = path[int(state[FIRST]) :]
     ahead = min(left.shape[0] - 1, LOOKAHEAD_POINTS)
@@ -223,7 +217,7 @@ def _steer(
     distance = max(0.3, _hypot(target_x - x, target_y - y))
     clearance = nearest_edge(near, x, y, np.zeros(2))
     speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / (OPEN - 0.4)))
-    # A power whose exponent the compiler does not know, as Python's: a product differs in the last bit now and then.
+    # A power with an exponent unknown to the compiler, as in Python; a product sometimes differs in the last bit.
     facing = max(0.0, math.cos(bearing)) ** two if abs(bearing) < 1.2 else 0.0
     linear = speed * facing
     curvature = 2.0 * math.sin(bearing) / distance
@@ -252,12 +246,12 @@ def drive(
     known: int,
     two: float,
 ) -> int:
-    """Take up to ``count`` physics steps, ``steps`` having been taken before; return how many were taken.
+    """Take up to ``count`` physics steps after the first ``steps``; return the number taken.
 
     ``segments`` (n, 4) as in :mod:`mapper.simulation.kernels.raycast`, ``radius`` metres, ``path`` (n, 2) metres;
-    ``state`` (14,) is changed. It ends early before a decision for which the robot needs another path, after a step
-    after which a scan is due at ``next_scan`` seconds, and after one after which the explorer notes where the robot is.
-    ``known`` is what of the first decision is known; ``two`` is 2.
+    ``state`` (14,) is modified. It ends early before a decision that needs another path, after a step at which a scan
+    is due at ``next_scan`` seconds, and after a step at which the explorer records the robot's position. ``known`` is
+    the known input of the first decision; ``two`` is 2.
     """
     near = segments
     centre_x = centre_y = np.nan

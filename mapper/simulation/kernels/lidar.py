@@ -11,11 +11,11 @@ from mapper.core.jit import jit
 from mapper.simulation.kernels.raycast import _crossing
 
 TURN = 2.0 * math.pi
-VERTEX_SLACK = 1e-9  # of an edge's length: a beam through the vertex that two edges share must not pass between them
-BEAM_SLACK = 1e-6  # of a beam's width: rounding of a bearing must not drop the beam that just grazes a vertex
-BEARING_ERROR = 2e-5  # radians: more than the error of :func:`_bearing`, and of a difference of two bearings
-TOUCH = 1e-6  # metres: nearer to an edge the sensor is on it
-BLOCK = 16  # beams whose directions are turned from that of the first
+VERTEX_SLACK = 1e-9  # of an edge's length: a beam through a vertex shared by two edges must not pass between them
+BEAM_SLACK = 1e-6  # of a beam's width: rounding of a bearing must not drop a beam that just grazes a vertex
+BEARING_ERROR = 2e-5  # radians: above the error of :func:`_bearing` and of a difference of two bearings
+TOUCH = 1e-6  # metres: closer than this the sensor is on the edge
+BLOCK = 16  # beams whose directions are rotated from that of the first
 
 
 @jit
@@ -48,7 +48,7 @@ def _write_directions(first_bearing: float, angle_increment: float, out: Float64
 
 @jit
 def _is_outside(segments: Float64Array, x: float, y: float) -> bool:
-    """Return whether (x, y) is outside of all solids, and not on an edge either."""
+    """Return whether (x, y) is outside all solids, and not on an edge."""
     winding = 0
     touches = False
     for k in range(segments.shape[0]):
@@ -66,17 +66,14 @@ def _cross_edge(
     ax: float, ay: float, bx: float, by: float, directions: Float64Array, first: int, last: int, range_max: float,
     out: Float64Array,
 ) -> None:  # fmt: skip
-    """Shorten the beams ``first`` … ``last`` in ``out`` to where they cross the edge from (ax, ay) to (bx, by).
-
-    The crossing is that of two parametric lines, a + u·e = t·d (O'Rourke, Computational Geometry in C, section 7.2).
-    """
+    """Shorten the beams ``first`` … ``last`` in ``out`` to their crossings with the edge from (ax, ay) to (bx, by)."""
     ex, ey = bx - ax, by - ay
     a_cross_b = ax * by - ay * bx
     for i in range(first, last + 1):
         dx, dy = directions[i, 0], directions[i, 1]
         d_cross_e = dx * ey - dy * ex
         if abs(d_cross_e) < 1e-12:
-            continue  # along the beam: the neighbouring edges end it
+            continue  # parallel to the beam: the neighbouring edges end it
         t = a_cross_b / d_cross_e  # a × e = a × b
         if t >= 0.0 and t < out[i] and t <= range_max:
             u = (ax * dy - ay * dx) / d_cross_e
@@ -95,12 +92,13 @@ def cast_rays(
     range_max: float,
     out: Float64Array,
 ) -> None:
-    """Write into ``out`` (n_beams,) how far each beam goes from (x, y) to the nearest edge, +inf beyond ``range_max``.
+    """Write the distance of each beam from (x, y) to the nearest edge into ``out`` (n_beams,), +inf beyond
+    ``range_max``.
 
-    Beam i points at ``yaw + angle_min + i · angle_increment``; the fan spans at most one turn. Each edge is tried only
+    Beam i points at ``yaw + angle_min + i · angle_increment``; the fan spans at most one turn. Each edge is tested only
     against the beams between the bearings of its two ends, so the cost is edges + crossings, not edges × beams. From
-    outside of all solids a beam ends on an edge that it meets from the right, its outside, so the others are left out.
-    Approximate bearings do, except of an edge with a beam close to one of its ends.
+    outside all solids a beam ends on an edge that it hits from the right, its outside, so other edges are skipped.
+    Approximate bearings are sufficient, except for an edge with a beam close to one of its ends.
     """
     n_beams = out.shape[0]
     first_bearing = yaw + angle_min
@@ -116,7 +114,7 @@ def cast_rays(
         bearing = end_bearing if ax == bx and ay == by else _bearing(ay, ax)
         bx, by = segments[k, 2] - x, segments[k, 3] - y
         end_bearing = _bearing(by, bx)
-        is_left = ax * by - ay * bx >= 0.0  # the inside of the edge is on the side of the sensor
+        is_left = ax * by - ay * bx >= 0.0  # the sensor is on the inside of the edge
         low, high = (bearing, end_bearing) if is_left else (end_bearing, bearing)
         low = (low - first_bearing) / TURN
         low = (low - math.floor(low)) * beams_of_turn
@@ -138,7 +136,7 @@ def cast_rays(
             _cross_edge(ax, ay, bx, by, directions, 0, min(n_beams - 1, math.floor(high - beams_of_turn)), range_max,
                         out)  # fmt: skip
             continue
-        # The bearings that the edge fills: from its first end, counter-clockwise by `width` (at most half a turn).
+        # The bearings covered by the edge: from its first end, counter-clockwise by `width` (at most half a turn).
         sweep = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
         start = (math.atan2(ay, ax) if sweep >= 0.0 else math.atan2(by, bx)) - first_bearing
         start -= math.floor(start / TURN) * TURN
@@ -155,7 +153,7 @@ def add_noise(
 ) -> None:
     """Write the readings of ``ranges`` (n,), metres, with ``sigma`` metres times ``noise`` (n,) into ``out`` (n,).
 
-    No reading is below ``range_min``; one beyond ``range_max``, compared in float32, is +inf.
+    No reading is below ``range_min``; readings beyond ``range_max``, compared in float32, are +inf.
     """
     farthest = np.float32(range_max)
     for i in range(out.shape[0]):

@@ -1,7 +1,7 @@
-"""Distances in a world of line segments: from points, along short motions.
+"""Distances in a world of line segments: from points, and along short motions.
 
-Everywhere ``segments`` is (n, 4) float64, ``(ax, ay, bx, by)`` in metres, the edges of closed polygons that run
-counter-clockwise; polygons may overlap. The caller validates: finite numbers.
+``segments`` is always (n, 4) float64, ``(ax, ay, bx, by)`` in metres, the edges of closed counter-clockwise polygons,
+which may overlap. The caller validates that numbers are finite.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 from mapper.core.array_types import Float64Array
 from mapper.core.jit import jit
 
-RUN = 64  # consecutive points that share a search for their nearest edges, at most
-RUN_RADIUS = 0.5  # metres: their greatest distance from the middle of their bounding box
+RUN = 64  # maximum number of consecutive points that share a search for their nearest edges
+RUN_RADIUS = 0.5  # metres: their maximum distance from the centre of their bounding box
 CULL_SLACK = 1e-6  # metres: rounding must not drop an edge that is exactly as near as another
 
 
@@ -30,7 +30,7 @@ def _squared_distance(ax: float, ay: float, ex: float, ey: float, x: float, y: f
 
 @jit
 def _crossing(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> int:
-    """Return what an edge adds to the winding number of (x, y): 1, -1 or 0 (Sunday's crossing rule)."""
+    """Return the contribution of an edge to the winding number of (x, y): 1, -1 or 0 (Sunday's crossing rule)."""
     side = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
     if ay <= y < by and side > 0.0:
         return 1
@@ -43,9 +43,9 @@ def _crossing(ax: float, ay: float, bx: float, by: float, x: float, y: float) ->
 def nearest_edge(segments: Float64Array, x: float, y: float, out: Float64Array) -> float:
     """Return the clearance of (x, y), and write the nearest point of any edge into ``out`` (2,).
 
-    The clearance is the distance to the nearest edge in metres, negative inside a solid: there the winding number is
-    not 0, because every polygon runs counter-clockwise (Sunday's crossing rule). Inside overlapping solids only the
-    sign is meant. Without edges it is +inf and ``out`` stays as it was.
+    The clearance is the distance to the nearest edge in metres, negative inside a solid, where the winding number is
+    not 0 because every polygon is counter-clockwise (Sunday's crossing rule). Inside overlapping solids only the sign
+    is meaningful. Without edges it is +inf and ``out`` is unchanged.
     """
     best = np.inf
     winding = 0
@@ -68,10 +68,10 @@ def nearest_edge(segments: Float64Array, x: float, y: float, out: Float64Array) 
 
 @jit
 def clearances(segments: Float64Array, points: Float64Array, out: Float64Array) -> None:
-    """Write into ``out`` (n,) the clearance of each of ``points`` (n, 2), as :func:`nearest_edge` defines it.
+    """Write the clearance of each of ``points`` (n, 2) into ``out`` (n,), bit for bit that of :func:`nearest_edge`.
 
-    Bit for bit that of :func:`nearest_edge`. Consecutive points that are close together share a search: only edges
-    that may be nearest to one of them, or that one of their crossing counts may need, are tried for each.
+    Consecutive points that are close together share a search: only edges that may be nearest to one of them, or are
+    needed for one of their crossing counts, are tested for each.
     """
     n_points, n_edges = min(points.shape[0], out.shape[0]), segments.shape[0]
     away = np.empty(n_edges)
@@ -102,11 +102,11 @@ def clearances(segments: Float64Array, points: Float64Array, out: Float64Array) 
             if not (max(ay, by) <= y_low or min(ay, by) > y_high or max(ax, bx) < x_low - CULL_SLACK):
                 crossing[n_crossing] = k
                 n_crossing += 1
-        # Distances differ by at most `half` between the middle and any of the points (triangle inequality).
+        # Distances differ by at most `half` between the centre and any of the points (triangle inequality).
         reach = least + 2.0 * half + CULL_SLACK
         n_near = 0
         for k in range(n_edges):
-            if not away[k] > reach:  # written so that what is not a number keeps every edge
+            if not away[k] > reach:  # written such that NaN keeps every edge
                 near[n_near] = k
                 n_near += 1
         for i in range(first, stop):
@@ -136,11 +136,7 @@ def arc_clearance(
     duration: float,
     n_samples: int,
 ) -> float:
-    """Return the least clearance at ``n_samples`` points of a unicycle's motion that starts at (x, y, theta).
-
-    ``linear`` m/s and ``angular`` rad/s held for ``duration`` seconds; the exact arc of Probabilistic Robotics,
-    section 5.3.3.
-    """
+    """Return the minimum clearance at ``n_samples`` points of a unicycle's motion from (x, y, theta)."""
     nearest = np.zeros(2)
     least = nearest_edge(segments, x, y, nearest)
     for i in range(1, n_samples + 1):
@@ -155,9 +151,9 @@ def arc_clearance(
 
 @jit
 def chord_clearance(segments: Float64Array, x0: float, y0: float, x1: float, y1: float) -> float:
-    """Return the least distance in metres between the straight line from (x0, y0) to (x1, y1) and any edge.
+    """Return the minimum distance in metres between the straight line from (x0, y0) to (x1, y1) and any edge.
 
-    0 where it crosses one. Two segments that do not cross are nearest at an end of one of them.
+    0 if it crosses one. The nearest points of two segments that do not cross include an end of one of them.
     """
     dx, dy = x1 - x0, y1 - y0
     d2 = dx * dx + dy * dy
@@ -173,14 +169,14 @@ def chord_clearance(segments: Float64Array, x0: float, y0: float, x1: float, y1:
             return 0.0
         if d2 == 0.0:
             continue
-        u = min(1.0, max(0.0, (ax * dx + ay * dy) / d2))  # every vertex starts one edge: ends need no test of their own
+        u = min(1.0, max(0.0, (ax * dx + ay * dy) / d2))  # every vertex starts one edge, so ends need no separate test
         least = min(least, math.hypot(ax - u * dx, ay - u * dy))
     return least
 
 
 @jit
 def farthest_in_sight(segments: Float64Array, x: float, y: float, path: Float64Array, ahead: int, room: float) -> int:
-    """Return the last of the points 1 … ``ahead`` of ``path`` (n, 2) to which the way from (x, y) is ``room`` wide.
+    """Return the last of the points 1 … ``ahead`` of ``path`` (n, 2) with a straight clearance of ``room`` from (x, y).
 
     That is, the :func:`chord_clearance` of the straight line to it is at least ``room`` metres; 0 if there is none.
     """

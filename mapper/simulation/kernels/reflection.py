@@ -20,12 +20,12 @@ def reflect(
     on_wall: float,
     out: NDArray[np.bool_],
 ) -> None:
-    """Write into ``out`` (n,) whether beam i ends on a polished face that it meets at a slant.
+    """Write into ``out`` (n,) whether beam i ends on a polished face that it hits obliquely.
 
     ``faces`` (m, 4) are segments of positive length, ``(ax, ay, bx, by)`` in metres; ``ranges`` (n,) metres, not finite
-    for no return; ``beams`` (n, 2) cosine and sine of the bearings in the sensor's frame, which is at ``sensor``
-    (x, y, cos θ, sin θ) in that of the faces. A beam slants if the sine of its angle to the face's normal exceeds
-    ``most_sine``; it ends on a face if its end is no farther from the face than ``on_wall`` metres.
+    for no return; ``beams`` (n, 2) cosine and sine of the bearings in the sensor's frame, which is at ``sensor`` (x, y,
+    cos θ, sin θ) in that of the faces. A beam is oblique if the sine of its angle to the face's normal exceeds
+    ``most_sine``; it ends on a face if its end is within ``on_wall`` metres of the face.
     """
     n = out.shape[0]
     x, y, cos, sin = sensor
@@ -34,7 +34,7 @@ def reflect(
         out[i] = False
         directions[0, i] = cos * beams[i, 0] - sin * beams[i, 1]
         directions[1, i] = sin * beams[i, 0] + cos * beams[i, 1]
-        # The end of a beam without a return is nowhere: every comparison with it is false.
+        # A beam without return has no finite end, so every comparison with it is false.
         reach = ranges[i] if math.isfinite(ranges[i]) else math.nan
         ends[0, i], ends[1, i] = x + reach * directions[0, i], y + reach * directions[1, i]
     dx, dy, end_x, end_y = directions[0], directions[1], ends[0], ends[1]
@@ -43,7 +43,7 @@ def reflect(
         ex, ey = faces[k, 2] - ax, faces[k, 3] - ay
         length = math.hypot(ex, ey)
         ux, uy = ex / length, ey / length
-        # Without branches, so that it is compiled to vector instructions.
+        # Without branches, so that it is vectorised.
         for i in range(n):
             ox, oy = end_x[i] - ax, end_y[i] - ay
             along = ox * ux + oy * uy

@@ -1,6 +1,6 @@
 """Relaxation of the corners of a path.
 
-Twin of :func:`mapper.simulation.textbook.relaxed`, to the last bit: recorded stories depend on the paths.
+Twin of :func:`mapper.simulation.textbook.relaxed`, to the last bit, because the paths of recorded stories depend on it.
 """
 
 from __future__ import annotations
@@ -14,14 +14,16 @@ from mapper.core.array_types import Float64Array
 from mapper.core.jit import jit
 from mapper.simulation.kernels.raycast import _squared_distance, clearances, nearest_edge
 
-GROUP = 8  # consecutive points that share a list of the edges near them
+GROUP = 8  # consecutive points that share a list of nearby edges
 MOVED = 0.3  # metres along an axis that a point may move while that list is used
 SLACK = 1e-9  # metres: the rounding of a distance
 
 
 @jit
 def _edges_near(segments: Float64Array, points: Float64Array, reach: float, out: NDArray[np.int32]) -> int:
-    """List in ``out`` the edges that may be within ``reach`` metres of any of ``points`` (n, 2); return how many."""
+    """List in ``out`` the edges that may be within ``reach`` metres of any of ``points`` (n, 2); return their
+    number.
+    """
     left, right, low, high = np.inf, -np.inf, np.inf, -np.inf
     for i in range(points.shape[0]):
         left, right = min(left, points[i, 0] - reach), max(right, points[i, 0] + reach)
@@ -39,15 +41,15 @@ def _edges_near(segments: Float64Array, points: Float64Array, reach: float, out:
 def relax(
     segments: Float64Array, bounds: tuple[float, float, float, float], path: Float64Array, least: float, rounds: int
 ) -> None:
-    """Relax the corners of ``path`` (n, 2), metres, in place, as its twin.
+    """Relax the corners of ``path`` (n, 2), metres, in place.
 
     ``segments`` as in :mod:`mapper.simulation.kernels.raycast`; ``bounds`` (x_min, y_min, x_max, y_max) metres. The
-    clearance of a place changes by no more than the way to it. It is computed only where that does not decide, and of
-    a place so near to a free one that no edge is between them without regard to the inside of solids.
+    clearance changes by no more than the distance moved. It is computed only if that bound is not sufficient, and
+    without the inside test if the position is so near to a free one that no edge is between them.
     """
     n = path.shape[0]
     x_min, y_min, x_max, y_max = bounds
-    known = np.empty(n)  # the clearance of each point, or less
+    known = np.empty(n)  # lower bound of the clearance of each point
     clearances(segments, path, known)
     floor = np.empty(n)
     for i in range(n):

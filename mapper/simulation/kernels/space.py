@@ -1,6 +1,6 @@
-"""Distances along rays in a world of prisms in three dimensions.
+"""Distances along rays in a 3D world of prisms.
 
-The caller validates: finite numbers, directions of length 1.
+The caller validates finite numbers and unit directions.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from mapper.simulation.kernels.lidar import VERTEX_SLACK
 
 
 class Space(NamedTuple):
-    """The solids of a world, each a vertical prism with a flat bottom and a plane on top.
+    """The solids of a world, each a vertical prism with a flat bottom and a planar top.
 
     ``edges`` (n, 4) are ``(ax, ay, bx, by)`` of all outlines, counter-clockwise, those of solid k from ``first[k]`` to
-    ``first[k + 1]``; ``boxes`` (k, 6) bound each solid: x, y and z at least, x, y and z at most; ``tops`` (k, 3) are
+    ``first[k + 1]``; ``boxes`` (k, 6) are the bounding boxes: minimum x, y, z and maximum x, y, z; ``tops`` (k, 3) are
     a, b, c of the planes z = a + b·x + c·y. The ground is the plane z = 0.
     """
 
@@ -64,9 +64,9 @@ def _may_hit(box: Float64Array, origin: Float64Array, direction: Float64Array, n
 def cast_in_space(
     space: Space, origin: Float64Array, directions: Float64Array, range_max: float, out: Float64Array
 ) -> None:
-    """Write into ``out`` (n,) how far each ray goes from ``origin`` (3,) along ``directions`` (n, 3) to a surface.
+    """Write the distance along each ray from ``origin`` (3,) in ``directions`` (n, 3) to a surface into ``out`` (n,).
 
-    +inf where there is none within ``range_max`` metres. A ray meets the sides of a prism where its projection meets an
+    +inf if there is none within ``range_max`` metres. A ray hits the sides of a prism where its projection crosses an
     edge of the outline, and the bottom and the top in their planes within the outline.
     """
     edges, first, boxes, tops = space

@@ -1,6 +1,6 @@
-"""Agreement of a scan with others: points on their walls, and points where they saw free space.
+"""Agreement of a scan with others: points on their walls, and points in their free space.
 
-Numba twins of :func:`mapper.slam.textbook.agreement` and of its use for each scan by itself.
+Numba twins of :func:`mapper.slam.textbook.agreement`, jointly and per scan.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ def count_agreement(
 ) -> None:
     """Count points of scan i at ``pose`` (3,) against the scans ``others`` at their ``poses`` (n_scans, 3).
 
-    ``counts`` (3,) gets how many of each ``stride``-th beam's points were looked at, how many are nearer than ``gate``
-    metres to a point of one of the others, and how many are not but lie in free space of one: its three beams in that
-    direction all end two gates or more behind the point. What the others could not see counts as neither. Near points
-    are looked for among the beams that pass within a gate, at most 12° to either side.
+    ``counts`` (3,) receives, for every ``stride``-th beam, the number of points examined, the number nearer than
+    ``gate`` metres to a point of one of the others, and the number of the rest in free space of one: its three beams in
+    that direction all end two gates or more behind the point. Points that the others could not see count as neither.
+    Near points are searched among the beams that pass within a gate, at most 12° to either side.
     """
     counts[:] = 0
     c, s = cos(pose[2]), sin(pose[2])
@@ -56,7 +56,7 @@ def count_agreement(
             halves[k] = int(min(gate / max(r, 0.3), reach) / step) + 1
         _write_centres(scans, j, xy, n, centres)
         _write_nearest(scans, j, xy, n, centres, halves, gate, POINT, nearest)
-        # The points that are near are done: the others move up.
+        # Remove the points already found near; the others move up.
         rest = 0
         for k in range(n):
             if nearest[k] >= 0:
@@ -83,7 +83,9 @@ def count_common(
     stride: int,
     common: Int64Array,
 ) -> None:
-    """Write for each of the scans ``others`` (k,) how many points of scan i at ``pose`` are on its walls (k,)."""
+    """Write for each of the scans ``others`` (k,) the number of points of scan i at ``pose`` that are on its walls
+    (k,).
+    """
     counts = np.empty(3, dtype=np.int64)
     for k in range(len(others)):
         count_agreement(scans, i, pose, others[k : k + 1], poses, gate, stride, counts)

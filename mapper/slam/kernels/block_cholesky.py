@@ -1,7 +1,7 @@
 """Sparse Cholesky factorisation of a symmetric matrix of 3 × 3 blocks, and the solution of its system.
 
-Up-looking, row by row along the elimination tree. Source: Davis 2006, Direct Methods for Sparse Linear Systems,
-chapter 4 (``cs_etree``, ``cs_ereach``, ``cs_chol``), with a block of one pose in place of each number.
+Up-looking, row by row along the elimination tree. Source: Davis 2006, Direct Methods for Sparse Linear Systems, chapter
+4 (``cs_etree``, ``cs_ereach``, ``cs_chol``), with one block per pose in place of each number.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from mapper.core.jit import jit
 
 @jit
 def count_factor(starts: Int64Array, rows: Int64Array, parent: Int64Array, factor_starts: Int64Array) -> None:
-    """Write the elimination tree and where each column of the factor starts.
+    """Write the elimination tree and the start of each column of the factor.
 
     The strict upper triangle of the matrix of n × n blocks is given by columns: column k has blocks in
-    ``rows[starts[k]:starts[k + 1]]``. ``parent`` (n,) gets the tree, −1 at a root; ``factor_starts`` (n + 1,) the
+    ``rows[starts[k]:starts[k + 1]]``. ``parent`` (n,) receives the tree, −1 at a root; ``factor_starts`` (n + 1,) the
     first block of each column of L, whose diagonal block comes first.
     """
     n = len(parent)
@@ -71,8 +71,8 @@ def factorise(
     those of :func:`count_factor`. ``failed[0]`` is −1, or the block row in which A is not positive definite: the
     factor must not be used then.
 
-    Rows from ``begin`` on are written until ``most`` blocks were multiplied. Returned is the row to go on with, n after
-    the last one. ``end`` (n,), where each column ends so far, is kept from one call to the next.
+    Rows from ``begin`` on are written until ``most`` blocks have been multiplied. Returns the row at which to continue,
+    n after the last one. ``end`` (n,), the current end of each column, is kept between calls.
     """
     n = len(parent)
     failed[0] = -1
@@ -87,7 +87,7 @@ def factorise(
     for k in range(begin, n):
         if multiplied >= most:
             return k
-        # The columns in which row k of L has blocks, in an order in which each comes after those that it depends on.
+        # The columns in which row k of L has blocks, each after those that it depends on.
         top = n
         mark[k] = k
         for p in range(starts[k], starts[k + 1]):

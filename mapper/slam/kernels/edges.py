@@ -1,4 +1,4 @@
-"""The edges of a pose graph, linearised, and blocks of pairs of poses summed into a sparse system."""
+"""Linearised edges of a pose graph, and assembly of pairwise blocks into a sparse system."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mapper.core.jit import jit
 def edge_errors(
     poses: Float64Array, first: Int64Array, second: Int64Array, relative: Float64Array, errors: Float64Array
 ) -> None:
-    """Write the error (e, 3) of each edge: the motion Z⁻¹ ∘ (Tᵢ⁻¹ ∘ Tⱼ) as x, y and wrapped angle, as g2o has it."""
+    """Write the error (e, 3) of each edge: Z⁻¹ ∘ (Tᵢ⁻¹ ∘ Tⱼ) as x, y and wrapped angle, as in g2o."""
     for k in range(len(first)):
         i, j = first[k], second[k]
         c, s = math.cos(poses[i, 2]), math.sin(poses[i, 2])
@@ -49,11 +49,11 @@ def linearise_edges(
     hessians: Float64Array,
     gradients: Float64Array,
 ) -> None:
-    """Write w JᵀΩJ (e, 6, 6) and −w JᵀΩe (e, 6) of each edge over the poses of its two ends.
+    """Write w JᵀΩJ (e, 6, 6) and −w JᵀΩe (e, 6) of each edge with respect to the poses of its two ends.
 
     ``errors`` (e, 3) are those of :func:`edge_errors`, ``weights`` (e,) those of the robust kernel, and ``information``
-    (e, 3, 3) is symmetric. Increments are
-    added to x, y and theta in the map frame. Source: Grisetti et al. 2010, A tutorial on graph-based SLAM.
+    (e, 3, 3) is symmetric. Increments are added to x, y and theta in the map frame. Source: Grisetti et al. 2010, A
+    tutorial on graph-based SLAM.
     """
     for k in range(len(first)):
         i, j = first[k], second[k]
@@ -63,7 +63,7 @@ def linearise_edges(
         c, s = math.cos(turned), math.sin(turned)
         o, w = information[k], weights[k]
         u, v = -s * dx + c * dy, -c * dx - s * dy
-        # J over the second pose is diag(Rᵀ, 1), and over the first one its opposite, with (u, v) for the turn.
+        # J for the second pose is diag(Rᵀ, 1); for the first it is the negative, with (u, v) for the rotation.
         for a in range(2):
             m0, m1 = (c, -s) if a == 0 else (s, c)
             p0, p1, p2 = m0 * o[0, 0] + m1 * o[1, 0], m0 * o[0, 1] + m1 * o[1, 1], m0 * o[0, 2] + m1 * o[1, 2]
@@ -107,11 +107,11 @@ def add_pairs(
     upper: Float64Array,
     right: Float64Array,
 ) -> None:
-    """Add blocks (p, 6, 6) and (p, 6) over pairs of poses to a system of 3 × 3 blocks.
+    """Add blocks (p, 6, 6) and (p, 6) of pairs of poses to a system of 3 × 3 blocks.
 
-    ``first`` and ``second`` (p,) are rows of the system, −1 for a pose that is fixed; ``slots`` (p,) the pair's block
-    of ``upper`` (u, 3, 3), −1 where an end is fixed, which ``is_swapped`` (p,) says has the second pose as its row.
-    ``diagonal`` (n, 3, 3) and ``right`` (n, 3) are the other parts of the system.
+    ``first`` and ``second`` (p,) are rows of the system, −1 for a fixed pose. ``slots`` (p,) is the pair's block of
+    ``upper`` (u, 3, 3), −1 if an end is fixed; with ``is_swapped`` (p,) its row is the second pose. ``diagonal`` (n, 3,
+    3) and ``right`` (n, 3) are the other parts of the system.
     """
     for k in range(len(first)):
         i, j = first[k], second[k]

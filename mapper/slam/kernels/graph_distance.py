@@ -1,4 +1,4 @@
-"""Shortest ways between the nodes of a pose graph: what the uncertainty between two poses grows with."""
+"""Shortest paths between the nodes of a pose graph, with which the uncertainty between two poses grows."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from mapper.core.jit import jit
 
 @jit
 def ways_from(start: int, driven: Float64Array, first: Int64Array, second: Int64Array, out: Float64Array) -> None:
-    """Write the length (n,) of the shortest way from node ``start`` to each node, metres.
+    """Write the length (n,) of the shortest path from node ``start`` to each node, metres.
 
-    ``driven`` (n,) is the distance driven until each node, so that neighbours in the chain are as far apart as it says;
-    the loops from ``first`` (l,) to ``second`` (l,) have no length. Bellman and Ford's algorithm, in sweeps along the
-    chain.
+    ``driven`` (n,) is the distance driven up to each node, which gives the lengths along the chain. The loops from
+    ``first`` (l,) to ``second`` (l,) have length 0. Bellman–Ford algorithm, in sweeps along the chain.
     """
     n = len(driven)
     for k in range(n):
@@ -37,7 +36,7 @@ def ways_from(start: int, driven: Float64Array, first: Int64Array, second: Int64
 
 @jit
 def least_of_ranges(values: Float64Array, begin: Int64Array, end: Int64Array, at: Int64Array) -> None:
-    """Write where the least of ``values`` is in each range from ``begin`` (r,) to before ``end`` (r,)."""
+    """Write the index of the minimum of ``values`` in each range [``begin``, ``end``) (r,)."""
     for k in range(len(begin)):
         best = begin[k]
         for i in range(begin[k], end[k]):

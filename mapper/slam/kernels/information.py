@@ -1,4 +1,4 @@
-"""The information of an aligned pose, from the sums of its point-to-line pairs."""
+"""Information matrix of an aligned pose, from the sums of its point-to-line pairs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def _invert(matrix: Float64Array, inverse: Float64Array) -> None:
 
 @jit
 def _shrinkage(h: Float64Array, false_share: float) -> tuple[float, float, float]:
-    """Return K (2, 2), by its elements 00, 01, 11, with which K H K has eigenvalues less a share of the greater one.
+    """Return K (2, 2) as its elements 00, 01, 11, such that K H K subtracts a share of H's greater eigenvalue from
+    both.
 
     H is the x-y block of ``h`` (3, 3).
     """
@@ -54,16 +55,16 @@ def write_information(
 ) -> None:
     """Write the information (3, 3) of a pose in its own frame, from the pairs' sums in the map frame.
 
-    ``hessian`` (3, 3) is Σ w JᵀJ over x, y and theta, with the weights ``prior`` (3,) of a prior on its diagonal, in
-    units of which ``scale`` is one; ``heading`` is the pose's, radians. ``false_share`` of the greater eigenvalue of
-    the x-y block of the pairs is taken off both: so much a wall with noisy normals resists motion along itself.
-    ``floor`` (3,) are standard deviations, metres and radians, that the result does not fall below.
+    ``hessian`` (3, 3) is Σ w JᵀJ over x, y and theta, with the weights ``prior`` (3,) of a prior on its diagonal; its
+    unit is ``scale``. ``heading`` is the pose's, radians. ``false_share`` of the greater eigenvalue of the pairs' x-y
+    block is subtracted from both, because a wall with noisy normals falsely constrains motion along itself. ``floor``
+    (3,) are minimum standard deviations of the result, metres and radians.
     """
     h = hessian.copy()
     for k in range(3):
         h[k, k] -= prior[k]
     k00, k01, k11 = _shrinkage(h, false_share)
-    # K H K, turned into the frame of the pose.
+    # K H K, rotated into the frame of the pose.
     c, s = cos(heading), sin(heading)
     t = np.zeros((3, 3))
     t[0, 0], t[0, 1] = k00 * c + k01 * s, -k00 * s + k01 * c

@@ -1,4 +1,4 @@
-"""Keypoints of two local maps that correspond, and the relative pose on which most of them agree.
+"""Corresponding keypoints of two local maps, and the relative pose on which most of them agree.
 
 Numba twins of :func:`mapper.slam.places_textbook.nearest_descriptors` and
 :func:`mapper.slam.places_textbook.pose_of_pairs`.
@@ -14,14 +14,14 @@ from mapper.core.jit import jit
 
 @jit
 def nearest_descriptors(ours: Float32Array, theirs: Float32Array, nearest: Int64Array) -> None:
-    """Write which of the descriptors ``theirs`` (n, d) are nearest to each of ``ours`` (m, d): (m, k).
+    """Write the indices (m, k) of the descriptors ``theirs`` (n, d) nearest to each of ``ours`` (m, d).
 
-    The nearest comes first. Rows are filled with −1 where n < k. Of equal distances the first counts.
+    The nearest comes first; of equal distances the first counts. Rows are padded with −1 if n < k.
     """
     k = nearest.shape[1]
     nearest[:] = -1
     for a in range(len(ours)):
-        # The k least squares so far are kept in order.
+        # The k smallest squared distances so far are kept in order.
         least = [1e300] * k
         for b in range(len(theirs)):
             square = 0.0
@@ -41,13 +41,13 @@ def pose_of_pairs(
     ours: Float64Array, theirs: Float64Array, owner: Int64Array, guess: Float64Array, window: float,
     turn_window: float, tolerance: float, least_distance: float, pose: Float64Array,
 ) -> int:  # fmt: skip
-    """Write the pose (3,) that takes most points ``ours`` (c, 2) to their partners ``theirs`` (c, 2); return how many.
+    """Write the pose (3,) that aligns most points ``ours`` (c, 2) with ``theirs`` (c, 2); return their number.
 
-    ``owner`` (c,) is the number, in ascending order, of the point that a pair is about: each point counts once. Each
-    two pairs of points at least ``least_distance`` apart, whose distances differ by at most ``tolerance`` metres, give
-    a pose; it counts where it is within ``window`` metres and ``turn_window`` radians of ``guess`` (3,). A pair agrees
-    with it to ``tolerance``. Of poses with equally many the one with the least sum of squares counts. Returns 0 where
-    no pose counts. Source: Fischler & Bolles 1981 (RANSAC), with each draw in the place of random ones.
+    ``owner`` (c,) is the index, ascending, of the point that a pair belongs to: each point counts once. Any two pairs
+    of points at least ``least_distance`` apart, whose distances differ by at most ``tolerance`` metres, determine a
+    pose; it counts if it is within ``window`` metres and ``turn_window`` radians of ``guess`` (3,). A pair agrees with
+    it within ``tolerance``. Of poses with equal counts the one with the least sum of squares is chosen. Returns 0 if no
+    pose counts. Source: Fischler & Bolles 1981 (RANSAC), with exhaustive instead of random sampling.
     """
     most, least_sum = 0, 0.0
     for p in range(len(ours)):

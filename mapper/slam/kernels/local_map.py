@@ -1,4 +1,4 @@
-"""A local map of a few scans: cells that are walls or free, the directions of the walls, and where walls meet.
+"""Local map of a few scans: wall and free cells, wall directions, and corners.
 
 Numba twins of :func:`mapper.slam.places_textbook.local_map`, :func:`mapper.slam.places_textbook.corner_strengths` and
 :func:`mapper.slam.places_textbook.polar_shares`.
@@ -17,11 +17,11 @@ from mapper.matching.kernels.types import NO_POINT, POINT_WITH_NORMAL, ScanArray
 
 UNKNOWN, FREE, WALL = 0, 1, 2
 NO_BIN = 255
-MOST_PASSES = 4  #: beams that pass through a cell for each that ends in it, for it to be a wall
+MOST_PASSES = 4  #: maximum number of beams that pass through a wall cell for each that ends in it
 
 
 class Square(NamedTuple):
-    """Cells of ``resolution`` metres whose rows and columns begin at (``low_x``, ``low_y``)."""
+    """Cells of ``resolution`` metres with rows and columns starting at (``low_x``, ``low_y``)."""
 
     low_x: float
     low_y: float
@@ -35,9 +35,9 @@ def draw_scan(
 ) -> None:  # fmt: skip
     """Count the beams of scan i at ``pose`` (3,) that end in each cell and that pass through it, (rows, cols) each.
 
-    A beam passes through the cells of the points that lie whole cell widths from its sensor, and no farther than
-    ``reach`` metres. ``tensors`` (rows, cols, 3) gets n_x², n_x n_y and n_y² of the normals of the points that end
-    there. Each ``stride``-th beam counts.
+    A beam passes through the cells of the points at whole cell widths from its sensor, up to ``reach`` metres.
+    ``tensors`` (rows, cols, 3) receives n_x², n_x n_y and n_y² of the normals of the points that end there. Every
+    ``stride``-th beam counts.
     """
     rows, cols = hits.shape
     c, s = cos(pose[2]), sin(pose[2])
@@ -87,10 +87,10 @@ def write_states(hits: Int32Array, passes: Int32Array, states: UInt8Array) -> No
 def write_corner_strengths(
     states: UInt8Array, hits: Int32Array, tensors: Float64Array, radius: int, strengths: Float64Array
 ) -> None:
-    """Write how far the walls within ``radius`` cells of each wall's cell point in two directions (rows, cols).
+    """Write how much the walls within ``radius`` cells of each wall cell point in two directions (rows, cols).
 
-    It is the smaller eigenvalue of Σ n nᵀ, in which each wall's cell counts once, with the mean of its points; 0 in
-    other cells. Source: Harris & Stephens 1988, with the normals of walls in the place of an image's gradients.
+    It is the smaller eigenvalue of Σ n nᵀ, in which each wall cell counts once, with the mean of its points; 0 in other
+    cells. Source: Harris & Stephens 1988, with wall normals in place of image gradients.
     """
     rows, cols = states.shape
     strengths[:] = 0.0
@@ -113,11 +113,11 @@ def write_corner_strengths(
 def write_polar_shares(
     states: UInt8Array, keypoints: Int64Array, bins: UInt8Array, sizes: Int64Array, shares: Float32Array
 ) -> None:
-    """Write which share of each bin's cells around each keypoint is a wall, and which is free (k, 2, n_bins).
+    """Write the fraction of each bin's cells around each keypoint that are walls, and that are free (k, 2, n_bins).
 
-    ``keypoints`` (k, 2) are rows and columns, ``bins`` (side, side) the bin of each cell around one, 255 for none, and
-    ``sizes`` (n_bins,) how many cells a bin has. Cells outside the grid are unknown. Source: Tipaldi & Arras 2010, the
-    beta grid, with shares of cells in the place of probabilities.
+    ``keypoints`` (k, 2) are rows and columns, ``bins`` (side, side) is the bin of each cell around one, 255 for none,
+    and ``sizes`` (n_bins,) the number of cells of each bin. Cells outside the grid are unknown. Source: Tipaldi & Arras
+    2010, the beta grid, with fractions of cells in place of probabilities.
     """
     reach = bins.shape[0] // 2
     rows, cols = states.shape

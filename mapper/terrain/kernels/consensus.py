@@ -1,4 +1,4 @@
-"""Consensus of the points of patches on one plane each; :mod:`mapper.terrain.textbook` has it in plain NumPy."""
+"""Planes of patches by consensus; :mod:`mapper.terrain.textbook` is the same in plain NumPy."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ FLATNESS = 1e-6
 
 @jit
 def consensus(points: Float64Array, starts: Int64Array, trials: int, distance: float, out: BoolArray) -> None:
-    """Write which points (n, 3) are within ``distance`` along z of the plane that most points of their patch have.
+    """Write which points (n, 3) are within ``distance`` along z of the plane with most inliers in their patch.
 
-    The points of patch k are ``starts[k]`` to ``starts[k + 1]``. Each plane goes through three of them: all triples if
-    these are at most ``trials``, else ``trials`` random ones, which depend only on the number of points.
+    The points of patch k are ``starts[k]`` to ``starts[k + 1]``. Candidate planes pass through three of them: all
+    triples if there are at most ``trials``, else ``trials`` random ones, which depend only on the number of points.
     """
     out[:] = False
     for patch in range(len(starts) - 1):
@@ -51,7 +51,7 @@ def consensus(points: Float64Array, starts: Int64Array, trials: int, distance: f
             vx, vy, vz = r[0] - p[0], r[1] - p[1], r[2] - p[2]
             cross = ux * vy - uy * vx
             wx, wy = vx - ux, vy - uy
-            # The determinant and the trace of the sum of squares about the mean of three points.
+            # Determinant and trace of the scatter matrix of the three points.
             trace = (ux * ux + uy * uy + vx * vx + vy * vy + wx * wx + wy * wy) / 3.0
             if cross * cross / 3.0 <= FLATNESS * trace * trace:
                 continue

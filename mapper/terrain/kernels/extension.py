@@ -1,4 +1,4 @@
-"""Points that continue the plane of the ground on one side of them, as the edge of a terrace or a crest does.
+"""Extension of the ground by points on the plane of the ground on one side, such as edges of terraces and crests.
 
 :func:`mapper.terrain.textbook_ground.continuing` is the same in plain NumPy.
 """
@@ -18,7 +18,7 @@ from mapper.core.jit import jit
 def lowest_ground(
     points: Float64Array, ground: BoolArray, corner: Float64Array, cell: float, out: NDArray[np.int32]
 ) -> None:
-    """Write the index of the lowest ground point of each cell (rows, cols), −1 where none is."""
+    """Write the index of the lowest ground point of each cell (rows, cols), −1 if there is none."""
     out[:] = -1
     for i in range(len(points)):
         if ground[i]:
@@ -32,7 +32,7 @@ def lowest_ground(
 def mark_near(
     points: Float64Array, new: BoolArray, corner: Float64Array, cell: float, reach: int, out: BoolArray
 ) -> None:
-    """Write which cells (rows, cols) are within ``reach`` cells of that of a new point."""
+    """Write which cells (rows, cols) are within ``reach`` cells of a new point's cell."""
     out[:] = False
     for i in range(len(points)):
         if new[i]:
@@ -53,11 +53,11 @@ def _continues(
     height: float,
     share: float,
 ) -> bool:
-    """Whether point ``i`` lies on the plane of the lowest ground points of a box of cells, from first to last.
+    """Return whether point ``i`` is on the plane of the lowest ground points in a box of cells.
 
-    The plane is fitted by least squares to ``need`` points or more. It must not be steeper than ``most``, its residual
-    and the point's distance must be at most ``height`` + ``share`` · slope, and the point's leverage at most 1: the
-    plane is not known worse there than one of the ground points.
+    The plane is fitted by least squares to at least ``need`` points. Its slope must not exceed ``most``, its residual
+    and the point's distance must be at most ``height`` + ``share`` · slope, and the point's leverage at most 1, so that
+    the plane is known there as well as at one of the ground points.
     """
     first, last = max(rows[0], 0), min(rows[1], lowest.shape[0] - 1)
     left, right = max(cols[0], 0), min(cols[1], lowest.shape[1] - 1)
@@ -97,7 +97,7 @@ def _continues(
 
 @jit
 def _span(cell: int, side: int, reach: int) -> tuple[int, int]:
-    """Return the first and the last cell of a box along one axis: to one ``side``, −1 or 1, or half to both, 0."""
+    """Return the first and last cell of a box along one axis: to one ``side``, −1 or 1, or half to both sides, 0."""
     if side == 0:
         return cell - reach // 2, cell + reach // 2
     return (cell - reach, cell) if side < 0 else (cell, cell + reach)
@@ -121,13 +121,13 @@ def extend(
 ) -> None:
     """Write which points that are not ground, in cells that are ``near``, continue it from one of eight sides.
 
-    The box of a side begins with the point's cell. Along each axis it reaches ``reach`` cells to one side or half of
-    that to both. The ground point of the point's own cell is in each of them: a point that is further above or below it
-    than any plane with such a residual leads to is left out at once. ``sums`` (rows + 1, cols + 1) are how many of the
-    cells above and left of a corner have a ground point.
+    The box of a side starts at the point's cell. Along each axis it extends ``reach`` cells to one side, or half of
+    that to both. It always contains the ground point of the point's own cell, so a point whose height differs from it
+    by more than any such plane allows is rejected at once. ``sums`` (rows + 1, cols + 1) is the number of cells with a
+    ground point above and left of a corner.
     """
     limit = height + share * most
-    furthest = math.sqrt(2.0) * cell * most + limit * (2.0 + reach)  # of the cells of a box the root
+    furthest = math.sqrt(2.0) * cell * most + limit * (2.0 + reach)  # the box has about (1 + reach)² cells
     for i in range(len(points)):
         out[i] = False
         if ground[i]:
@@ -138,7 +138,7 @@ def extend(
             continue
         for side in range(9):
             if side == 4:
-                continue  # the box around the point is none of the sides
+                continue  # the box centred on the point is not a side
             rows, cols = _span(row, side // 3 - 1, reach), _span(col, side % 3 - 1, reach)
             if _continues(points, i, lowest, sums, rows, cols, need, most, height, share):
                 out[i] = True

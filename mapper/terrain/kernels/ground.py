@@ -1,7 +1,7 @@
-"""The steps of SMRF; :mod:`mapper.terrain.textbook_ground` has them in plain NumPy.
+"""The steps of SMRF; :mod:`mapper.terrain.textbook_ground` is the same in plain NumPy.
 
-Grids are (rows, cols) float32 in metres above the lowest corner. Points are (n, 3) float64 in metres, all of them
-within the grid.
+Grids are (rows, cols) float32 in metres above the lowest corner. Points are (n, 3) float64 in metres, all within the
+grid.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Heights = NDArray[np.float32]
 
 @jit
 def lowest_of_cells(points: Float64Array, used: BoolArray, corner: Float64Array, cell: float, out: Heights) -> None:
-    """Write the height of the lowest used point of each cell into ``out``, NaN where none is."""
+    """Write the height of the lowest used point of each cell into ``out``, NaN if there is none."""
     out[:] = np.nan
     for i in range(len(points)):
         if used[i]:
@@ -31,7 +31,9 @@ def lowest_of_cells(points: Float64Array, used: BoolArray, corner: Float64Array,
 
 @jit
 def _smaller_rise(before: float, after: float) -> float:
-    """The smaller of two rises, 0 where one falls: so a slope ends at a step, and none is made up at a crest."""
+    """Return the smaller of two rises, 0 if their signs differ, so that slopes end at steps and crests have no
+    slope.
+    """
     if before * after <= 0.0:
         return 0.0
     return before if abs(before) < abs(after) else after
@@ -41,9 +43,9 @@ def _smaller_rise(before: float, after: float) -> float:
 def move_to_centres(
     points: Float64Array, lowest: NDArray[np.int32], heights: Heights, corner: Float64Array, cell: float, out: Heights
 ) -> None:
-    """Write the heights that the ``lowest`` points of cells have at the cells' centres; NaN where a cell has none.
+    """Write the heights of the cells' ``lowest`` points moved to the cells' centres; NaN if a cell has none.
 
-    ``heights`` are those of the filled cells. The slope is the smaller one of both sides, over two cells.
+    ``heights`` are those of the filled cells. The slope is the smaller one of the two sides, over two cells.
     """
     rows, cols = heights.shape
     for row in range(rows):
@@ -62,7 +64,9 @@ def move_to_centres(
 
 @jit
 def halve(heights: Heights, out: Heights) -> None:
-    """Write the mean of the known cells of each 2 × 2 into ``out`` (⌈rows / 2⌉, ⌈cols / 2⌉), NaN where none is."""
+    """Write the mean of the known cells of each 2 × 2 block into ``out`` (⌈rows / 2⌉, ⌈cols / 2⌉), NaN if there is
+    none.
+    """
     rows, cols = heights.shape
     for row in range(out.shape[0]):
         for col in range(out.shape[1]):
@@ -77,9 +81,9 @@ def halve(heights: Heights, out: Heights) -> None:
 
 @jit
 def smooth_unknown(heights: Heights, coarse: Heights, sweeps: int, other: Heights, out: Heights) -> None:
-    """Fill the NaN of ``heights`` from the filled ``coarse`` and smooth what was filled; ``other`` is scratch.
+    """Fill the NaN of ``heights`` from the filled ``coarse`` and smooth the filled cells; ``other`` is scratch memory.
 
-    Known cells are written again in each sweep: so a row is gone over without branches, many cells at a time.
+    Known cells are rewritten in each sweep, so that a row is processed without branches and vectorised.
     """
     rows, cols = heights.shape
     for row in range(rows):
@@ -106,9 +110,9 @@ def smooth_unknown(heights: Heights, coarse: Heights, sweeps: int, other: Height
 
 @jit
 def _widen(shorter: Heights, by: int, out: Heights) -> None:
-    """Write the least of runs that are ``by`` cells longer at each end than those of ``shorter``.
+    """Write the minima of runs that are ``by`` cells longer at each end than those of ``shorter``.
 
-    Three of these make one, as long as ``by`` is at most their length.
+    Three of these cover one, as long as ``by`` is at most their length.
     """
     rows, cols = shorter.shape
     for row in range(rows):
@@ -127,11 +131,11 @@ def _widen(shorter: Heights, by: int, out: Heights) -> None:
 
 @jit
 def erode(heights: Heights, radius: int, sign: float, runs: Heights, out: Heights) -> None:
-    """Write the least of ``sign`` · height within a disc of ``radius`` cells, times ``sign``, into ``out``.
+    """Write the minimum of ``sign`` · height within a disc of ``radius`` cells, times ``sign``, into ``out``.
 
-    ``sign`` 1 erodes, −1 dilates. A disc is one run of cells in each of its rows, from the shortest, the first and last
-    row, to the longest. Where it reaches beyond the grid it has the row at the border again, of which it has a longer
-    run anyway. ``runs`` (2, rows, cols) is scratch.
+    ``sign`` 1 erodes, −1 dilates. A disc is one run of cells per row, from the shortest in the first and last row to
+    the longest. Beyond the grid the border row is repeated, which has no effect because the disc has a longer run in
+    it. ``runs`` (2, rows, cols) is scratch memory.
     """
     rows, cols = heights.shape
     factor = np.float32(sign)
@@ -161,7 +165,7 @@ def erode(heights: Heights, radius: int, sign: float, runs: Heights, out: Height
 def mark_lowered(
     before: Heights, after: Heights, threshold: float, around: Heights, factor: float, out: BoolArray
 ) -> None:
-    """Set ``out`` where a cell was lowered by more than ``threshold`` + ``factor`` · ``around``, the slope there."""
+    """Set ``out`` where a cell was lowered by more than ``threshold`` + ``factor`` · ``around``, the local slope."""
     least, more = np.float32(threshold), np.float32(factor)
     for row in range(before.shape[0]):
         for col in range(before.shape[1]):
@@ -170,9 +174,9 @@ def mark_lowered(
 
 @jit
 def lowest_of_blocks(heights: Heights, left_out: BoolArray, side: int, out: Heights) -> None:
-    """Write the least of each block of ``side`` × ``side`` cells into ``out`` (⌈rows / side⌉, ⌈cols / side⌉).
+    """Write the minimum of each block of ``side`` × ``side`` cells into ``out`` (⌈rows / side⌉, ⌈cols / side⌉).
 
-    Cells that are ``left_out`` (rows, cols) do not count; NaN where a block has no others.
+    Cells that are ``left_out`` (rows, cols) are ignored; NaN if a block has no others.
     """
     out[:] = np.nan
     for row in range(heights.shape[0]):
@@ -184,7 +188,7 @@ def lowest_of_blocks(heights: Heights, left_out: BoolArray, side: int, out: Heig
 
 @jit
 def mean_around(values: Heights, reach: int, most: float, out: Heights) -> None:
-    """Write the mean of the values, none of them above ``most``, within ``reach`` cells along rows and columns."""
+    """Write the mean of the values, each limited to ``most``, within ``reach`` cells along rows and columns."""
     rows, cols = values.shape
     greatest = np.float32(most)
     for row in range(rows):
@@ -200,7 +204,7 @@ def mean_around(values: Heights, reach: int, most: float, out: Heights) -> None:
 
 @jit
 def slope_of_surface(surface: Heights, cell: float, out: Heights) -> None:
-    """Write the rise over run of the surface."""
+    """Write the slope of the surface, rise over run."""
     rows, cols = surface.shape
     size = np.float32(cell)
     for row in range(rows):
@@ -228,8 +232,8 @@ def classify(
 ) -> None:
     """Write which points are within ``height`` + ``scaling`` · slope of the surface, above or below it.
 
-    ``unsure`` are those of which a limit of half or of twice the size would say otherwise, and those in cells that are
-    ``doubtful`` (rows, cols).
+    ``unsure`` are those for which half or twice the limit would decide otherwise, and those in ``doubtful`` (rows,
+    cols) cells.
     """
     rows, cols = surface.shape
     for i in range(len(points)):

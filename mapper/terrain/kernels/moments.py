@@ -1,7 +1,7 @@
-"""Moments of patches and the planes that fit them; :mod:`mapper.terrain.textbook` has them in plain NumPy.
+"""Moments of patches and their least-squares planes; :mod:`mapper.terrain.textbook` is the same in plain NumPy.
 
-Moments (rows, cols, 10) float64 are the entries of P in the order n, x, y, z, xx, xy, yy, xz, yz, zz, about the
-patch's centre. Planes (rows, cols, 6) float64 are a, b, c, mean height, roughness, slope; NaN where there is none.
+Moments (rows, cols, 10) float64 are the entries of P in the order n, x, y, z, xx, xy, yy, xz, yz, zz, about the patch's
+centre. Planes (rows, cols, 6) float64 are a, b, c, mean height, roughness, slope; NaN if there is none.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ _BATCH = 128  # points
 
 @jit
 def add_points(points: Float64Array, corner: Float64Array, size: float, out: Float64Array) -> None:
-    """Add points (n, 3) to the moments of their patches. Heights are above the corner; points outside are left out.
+    """Add points (n, 3) to the moments of their patches. Heights are above the corner; points outside are ignored.
 
-    The order of the sums is that of the points. Each :data:`_BATCH` of points is gone through twice: the first loop
-    only reads a number of each patch, so that the memory of many patches is fetched at the same time. Indices of arrays
-    are unsigned because numba tests signed ones for being negative.
+    The points are summed in order. Each batch of :data:`_BATCH` points is processed twice: the first loop only reads
+    one number of each patch, so that the memory of many patches is fetched concurrently. Array indices are unsigned
+    because numba checks signed ones for negative values.
     """
     rows, cols, _ = out.shape
     flat = out.reshape(rows * cols, 10)
@@ -61,9 +61,10 @@ def add_points(points: Float64Array, corner: Float64Array, size: float, out: Flo
 
 @jit
 def sum_areas(moments: Float64Array, size: float, out: Float64Array) -> None:
-    """Write the summed-area table (rows + 1, cols + 1, 10): entry (r, c) has all patches before row r and column c.
+    """Write the summed-area table (rows + 1, cols + 1, 10): entry (r, c) is the sum of all patches with row < r, column
+    < c.
 
-    Its moments are about the middle of the grid.
+    Its moments are about the centre of the grid.
     """
     rows, cols, _ = moments.shape
     line = np.empty(10)
@@ -92,9 +93,10 @@ def sum_areas(moments: Float64Array, size: float, out: Float64Array) -> None:
 
 @jit
 def fit_windows(table: Float64Array, size: float, reach: int, min_points: int, out: Float64Array) -> None:
-    """Write the planes of windows of 2 · ``reach`` + 1 patches a side from a summed-area table.
+    """Write the planes of windows of 2 · ``reach`` + 1 patches per side from a summed-area table.
 
-    A window ends at the border of the grid. A plane's a is the height at the centre of the window's middle patch.
+    Windows are clipped at the border of the grid. A plane's a is the height at the centre of the window's central
+    patch.
     """
     rows, cols = out.shape[0], out.shape[1]
     for row in range(rows):
@@ -133,7 +135,7 @@ def fit_windows(table: Float64Array, size: float, reach: int, min_points: int, o
 
 @jit
 def halve(moments: Float64Array, size: float, out: Float64Array) -> None:
-    """Add the patches of ``size`` to their parents' moments, the next level of the quadtree."""
+    """Add the patches of ``size`` metres to their parents' moments, the next level of the quadtree."""
     for row in range(moments.shape[0]):
         dy = (row % 2 - 0.5) * size
         for col in range(moments.shape[1]):
@@ -154,7 +156,9 @@ def halve(moments: Float64Array, size: float, out: Float64Array) -> None:
 
 @jit
 def steps_between(planes: Float64Array, size: float, out: Float64Array) -> None:
-    """Write the greatest gap (rows, cols) between a patch's plane and a neighbour's in the middle of their edge."""
+    """Write the maximum gap (rows, cols) between a patch's plane and a neighbour's, at the middle of their common
+    edge.
+    """
     rows, cols, _ = planes.shape
     half = 0.5 * size
     out[:] = 0.0

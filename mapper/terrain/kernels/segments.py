@@ -1,4 +1,4 @@
-"""Smooth segments of the cells that discs cut off; those that go on smoothly into the ground are given back.
+"""Smooth segments of the cells removed by the discs; those that continue smoothly into the ground are restored.
 
 :func:`mapper.terrain.textbook_ground.given_back` is the same in plain NumPy.
 """
@@ -16,7 +16,7 @@ Heights = NDArray[np.float32]
 
 @jit
 def _root_of(parents: NDArray[np.int32], cell: int) -> int:
-    """The first cell of a segment; the way to it is made shorter."""
+    """Return the first cell of a segment, with path compression."""
     while parents[cell] != cell:
         parents[cell] = parents[parents[cell]]
         cell = int(parents[cell])
@@ -27,9 +27,9 @@ def _root_of(parents: NDArray[np.int32], cell: int) -> int:
 def _goes_on(
     heights: Heights, row: int, col: int, down: int, right: int, most: float, height: float, share: float
 ) -> bool:
-    """Whether the surface goes on from a cell to the next: the rises before, between and after the two agree.
+    """Return whether the surface continues from a cell to the next: the rises before, between and after the two agree.
 
-    ``most`` is the greatest rise from cell to cell, metres; rises may differ by ``height`` + ``share`` · rise.
+    ``most`` is the maximum rise between cells, metres; rises may differ by ``height`` + ``share`` · rise.
     """
     rows, cols = heights.shape
     before, left = row - down, col - right
@@ -54,7 +54,7 @@ def _goes_on(
 def join_cells(
     heights: Heights, taken: BoolArray, most: float, height: float, share: float, parents: NDArray[np.int32]
 ) -> None:
-    """Join taken cells (rows, cols) to segments over which the surface goes on; ``parents`` (rows · cols,)."""
+    """Join taken cells (rows, cols) into segments over which the surface is continuous; ``parents`` (rows · cols,)."""
     rows, cols = heights.shape
     for i in range(rows * cols):
         parents[i] = i
@@ -82,7 +82,7 @@ def count_sides(
     parents: NDArray[np.int32],
     sides: NDArray[np.int32],
 ) -> None:
-    """Write into ``sides`` (rows · cols, 4) of each segment: sides into the ground, of a drop, sums of directions.
+    """Write for each segment into ``sides`` (rows · cols, 4): sides into the ground, drops, and sums of directions.
 
     The directions, in rows and columns, are those of the sides into the ground.
     """
@@ -119,7 +119,7 @@ def judge(
     given: BoolArray,
     contested: BoolArray,
 ) -> None:
-    """Write which taken cells are given back, and which are not though some of their sides go on into the ground."""
+    """Write which taken cells are restored, and which are not although some of their sides continue into the ground."""
     rows, cols = taken.shape
     for row in range(rows):
         for col in range(cols):

@@ -1,12 +1,12 @@
-"""Casts of rays through a map of voxels: the first occupied voxel, or the first occupied or unknown one.
+"""Ray casts through a voxel map to the first occupied voxel, or the first occupied or unknown one.
 
 Numba twin of :func:`mapper.volume.occupancy.textbook.cast_ray`. Blocks without a voxel that ends the ray are crossed in
-one step; in the others the ray is followed voxel by voxel. Source: Amanatides & Woo, A fast voxel traversal algorithm
-for ray tracing, 1987, over blocks and over voxels, with the number types and the order of ties of octomap's castRay.
+one step; in other blocks the ray is followed voxel by voxel. Source: Amanatides & Woo, A fast voxel traversal algorithm
+for ray tracing, 1987, over blocks and over voxels, with the number types and tie order of octomap's castRay.
 
 octomap adds the distance between borders once for each voxel. A step over a block multiplies instead, which rounds
-differently, so the order of two borders is the same only where they are further apart than the error of either sum.
-A ray with two borders nearer than :data:`_TIE` voxels is followed again voxel by voxel from its beginning.
+differently, so the order of two borders is the same only if they are farther apart than the error of either sum. A ray
+with two borders nearer than :data:`_TIE` voxels is traced again voxel by voxel from its origin.
 """
 
 from __future__ import annotations
@@ -22,21 +22,22 @@ from mapper.volume.kernels.rays import CENTRE, _crossing
 from mapper.volume.kernels.types import Belief, BlockTable, CastRule, StopMasks
 
 HIT, UNKNOWN, TOO_FAR, OUTSIDE = 1, 2, 3, 4  #: how a cast ray ends
-_LAST, _BLOCKS = 2 * CENTRE - 1, 8191  # the greatest key, and the greatest place of a block along an axis
-# A sum of n distances is wrong by at most n times half the last place of the greatest: 5e-7 voxels for 65,536 of them
-# along the longest ray in the lattice.
+_LAST, _BLOCKS = 2 * CENTRE - 1, 8191  # the maximum key, and the maximum block coordinate along an axis
+# The error of a sum of n distances is at most n times half the last place of the largest: 5e-7 voxels for 65,536 of
+# them along the longest ray in the lattice.
 _TIE = 1e-5
 _LAYER = np.uint64(0xFFFF)  # the bits of the lower layer of a part
-_ABSENT = -2  # no block: its slot is negative, and it is searched for what is occupied or unknown
+_ABSENT = -2  # no block: its slot is negative, and rays stop in it if they stop at unknown voxels
 
 
 @jit
 def stop_masks(
     parts: Int32Array, values: Float32Array, occupied: float, stale: BoolArray, words: UInt64Array, found: UInt8Array
 ) -> None:
-    """Write the arrays of :class:`StopMasks` for those of the blocks (n,) that are ``stale``.
+    """Write the arrays of :class:`StopMasks` for those blocks (n,) that are ``stale``.
 
-    ``parts`` (n, 16) are their parts in ``values``, as in :class:`Belief`; a voxel is occupied from ``occupied``.
+    ``parts`` (n, 16) are their parts in ``values``, as in :class:`Belief`; ``occupied`` is the log-odds threshold of
+    occupied voxels.
     """
     for i in range(parts.shape[0]):
         if not stale[i]:
@@ -48,7 +49,7 @@ def stop_masks(
             full, stop = np.uint64(0), np.uint64(0)
             for k in range(32):
                 full |= np.uint64(part[k] >= occupied) << np.uint64(k)
-                stop |= np.uint64(not part[k] < occupied) << np.uint64(k)  # of NaN too
+                stop |= np.uint64(not part[k] < occupied) << np.uint64(k)  # also for NaN
             words[i, 0, z] |= (full & _LAYER) << shift
             words[i, 1, z] |= (stop & _LAYER) << shift
             words[i, 0, z + 1] |= full >> np.uint64(16) << shift
@@ -60,7 +61,9 @@ def stop_masks(
 
 @jit
 def index_blocks(codes: Int64Array, found: UInt8Array, x: int, y: int, z: int, out: Int32Array) -> None:
-    """Write the grid of :class:`StopMasks`, from the block at (``x``, ``y``, ``z``); it holds all blocks (n,)."""
+    """Write the grid of :class:`StopMasks`, starting at the block (``x``, ``y``, ``z``); it contains all blocks
+    (n,).
+    """
     out[:] = _ABSENT
     for slot in range(codes.shape[0]):
         code = codes[slot]
@@ -69,7 +72,7 @@ def index_blocks(codes: Int64Array, found: UInt8Array, x: int, y: int, z: int, o
 
 @jit
 def _indexed(table: BlockTable, masks: StopMasks, x: int, y: int, z: int) -> int:
-    """Return 4 · slot + found of the block at (x, y, z), :data:`_ABSENT` where there is none."""
+    """Return 4 · slot + found of the block at (x, y, z), :data:`_ABSENT` if there is none."""
     if masks.grid.size > 0:
         i, j, k = x - masks.x, y - masks.y, z - masks.z
         depth, height, width = masks.grid.shape
@@ -84,7 +87,9 @@ def _indexed(table: BlockTable, masks: StopMasks, x: int, y: int, z: int) -> int
 
 @jit
 def _squared_range(x: int, y: int, z: int, ox: float, oy: float, oz: float, resolution: float) -> float:
-    """Return the squared distance from an origin to the centre of a voxel, squares in float32, their sum in float64."""
+    """Return the squared distance from an origin to the centre of a voxel, with squares in float32 and a float64
+    sum.
+    """
     ax = np.float32((x - CENTRE + 0.5) * resolution) - ox
     ay = np.float32((y - CENTRE + 0.5) * resolution) - oy
     az = np.float32((z - CENTRE + 0.5) * resolution) - oz
@@ -95,7 +100,7 @@ def _squared_range(x: int, y: int, z: int, ox: float, oy: float, oz: float, reso
 def _crossed(at: float, first: float, per_voxel: float) -> tuple[int, bool]:
     """Return how many borders of an axis a ray crosses before the distance ``at``, and whether one is at ``at``.
 
-    ``first`` is the distance to the first of them; there are ``per_voxel`` of them per metre.
+    ``first`` is the distance to the first border; there are ``per_voxel`` of them per metre.
     """
     if per_voxel == 0.0 or at == -np.inf:  # parallel to the borders, or before the ray's origin
         return 0, False
@@ -110,7 +115,7 @@ def _cast_by_voxels(
     belief: Belief, origin: Float32Array, start: tuple[int, int, int], steps: tuple[int, int, int],
     firsts: tuple[float, float, float], apart: tuple[float, float, float], rule: CastRule,
 ) -> tuple[int, int, int, int]:  # fmt: skip
-    """Return the last voxel of a ray and how it ends, with each distance the sum of those before it."""
+    """Return the last voxel of a ray and how it ends, with distances accumulated voxel by voxel."""
     ox, oy, oz = origin[0], origin[1], origin[2]
     x, y, z = start
     tx, ty, tz = firsts
@@ -147,13 +152,13 @@ def cast_rays(
 ) -> None:  # fmt: skip
     """Write the last voxels of rays, their keys (n, 3) and centres (n, 3) in metres, and how the rays end (n,).
 
-    ``origins`` and ``directions`` (n, 3) are finite; directions have any length but 0. A ray whose origin is outside
+    ``origins`` and ``directions`` (n, 3) are finite; directions have any length but 0. A ray with its origin outside
     the lattice gets the key 0.
     """
     resolution, through = rule.resolution, rule.through_unknown
     factor, top = 1.0 / resolution, float(CENTRE)
     reach, tie = rule.range_max * rule.range_max, _TIE * resolution
-    # Centres of voxels that a ray enters before are in range.
+    # The centres of voxels entered before this distance are in range.
     near = rule.range_max - 2.0 * resolution if rule.range_max > 0.0 else np.inf
     kind, wanted = (0, 1) if through else (1, 2)
     for i in range(origins.shape[0]):
@@ -172,12 +177,12 @@ def cast_rays(
         step_z, first_z, apart_z = _crossing(z, oz, dz, resolution, 0.5 * resolution)
         per_x, per_y, per_z = abs(float(dx)) * factor, abs(float(dy)) * factor, abs(float(dz)) * factor
         bx, by, bz = x >> 3, y >> 3, z >> 3
-        # Distances to the block's borders. A ray that is parallel to an axis never meets those of that axis.
+        # Distances to the block's borders. A ray parallel to an axis never crosses the borders of that axis.
         out_x = first_x + (7 - (x & 7) if step_x > 0 else x & 7) * apart_x if step_x != 0 else np.inf
         out_y = first_y + (7 - (y & 7) if step_y > 0 else y & 7) * apart_y if step_y != 0 else np.inf
         out_z = first_z + (7 - (z & 7) if step_z > 0 else z & 7) * apart_z if step_z != 0 else np.inf
         entered, along_x, along_y, tied = -np.inf, False, False, False
-        k = 0  # the place of the voxel in the block
+        k = 0  # index of the voxel in the block
         while end == 0:
             leaves = min(out_x, out_y, out_z)
             inside = (bx | by | bz) & ~_BLOCKS == 0
@@ -185,7 +190,7 @@ def cast_rays(
             slot = held >> 2
             search = (held & wanted != 0) | (not inside)
             if search or leaves > near:
-                # The voxel where the ray enters the block; the first one is that of the origin.
+                # The voxel where the ray enters the block, initially that of the origin.
                 nx, at_x = _crossed(entered, first_x, per_x)
                 ny, at_y = _crossed(entered, first_y, per_y)
                 nz, at_z = _crossed(entered, first_z, per_z)
@@ -219,7 +224,7 @@ def cast_rays(
                     tied |= (abs(tx - ty) < tie) | (abs(sooner - tz) < tie)
                     if entered > leaves - tie:
                         break
-                    # There are no branches: which axis comes next cannot be predicted.
+                    # There are no branches, because the next axis is not predictable.
                     x_next, y_next = x_first & not_z, (not x_first) & not_z
                     k += (step_x if x_first else 8 * step_y) if not_z else 64 * step_z
                     after_x, after_y, after_z = tx + apart_x, ty + apart_y, tz + apart_z

@@ -1,8 +1,4 @@
-"""The faces of occupied voxels that are seen, merged into rectangles, for one cube of 32³ voxels at a time.
-
-Numba twins of :func:`mapper.volume.occupancy.textbook.chunk_colours` and
-:func:`mapper.volume.occupancy.textbook.merged_faces`.
-"""
+"""Visible faces of occupied voxels, merged into rectangles, for one chunk of 32³ voxels at a time."""
 
 from __future__ import annotations
 
@@ -15,16 +11,16 @@ from mapper.volume.kernels.types import Belief, FaceRule
 
 CHUNK = 32  #: voxels along the side of a chunk
 KEYS = 1 << 16
-COVERED = 255  #: instead of a colour: a voxel that is not drawn, and towards which no face is
+COVERED = 255  #: in place of a colour: a voxel that is not drawn, and hides the faces towards it
 
 
 @jit
 def fill_chunk(belief: Belief, x0: int, y0: int, z0: int, rule: FaceRule, out: UInt8Array) -> int:
-    """Write the colours (34, 34, 34), z y x, of the voxels of a chunk and of those around it; return how many have one.
+    """Write the colours (34, 34, 34), z y x, of the voxels in and around a chunk; return the number of coloured voxels.
 
-    ``x0``, ``y0``, ``z0`` are the key of the chunk's first voxel, multiples of 32; those around it are not counted. The
-    colour is 0 where a voxel is not occupied or not shown, and :data:`COVERED` where it is unknown and the rule draws
-    only faces that were seen.
+    ``x0``, ``y0``, ``z0`` are the key of the chunk's first voxel, multiples of 32; voxels around the chunk are not
+    counted. The colour is 0 if a voxel is not occupied or not shown, and :data:`COVERED` if it is unknown and the rule
+    draws only seen faces.
     """
     n = 0
     out[:] = 0
@@ -72,12 +68,12 @@ def fill_chunk(belief: Belief, x0: int, y0: int, z0: int, rule: FaceRule, out: U
 
 @jit
 def merge_faces(colours: UInt8Array, mask: UInt8Array, out: UInt8Array) -> int:
-    """Write the rectangles (n, 7) that the seen faces of a chunk's voxels make; return n.
+    """Write the rectangles (n, 7) of the visible faces of a chunk's voxels; return n.
 
-    ``colours`` (34, 34, 34), z y x, are those of :func:`fill_chunk`. A rectangle has the number of its side (−x, +x,
-    −y, +y, −z, +z), the x, y and z of its first voxel in the chunk, how many voxels it is long along the two axes that
-    follow its own (of x: y and z; of y: z and x; of z: x and y), and its colour. ``mask`` (32, 32) is memory. ``out``
-    has room for n rectangles, at most 98,304; those beyond its length are counted and not written.
+    ``colours`` (34, 34, 34), z y x, are those of :func:`fill_chunk`. A rectangle has the index of its side (−x, +x, −y,
+    +y, −z, +z), the x, y and z of its first voxel in the chunk, its lengths in voxels along the two axes that follow
+    its own (for x: y and z; for y: z and x; for z: x and y), and its colour. ``mask`` (32, 32) is scratch memory.
+    ``out`` has room for n rectangles, at most 98,304; those beyond its length are counted but not written.
     """
     n = 0
     place = np.zeros(3, dtype=np.int64)

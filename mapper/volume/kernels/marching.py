@@ -1,6 +1,6 @@
-"""Marching cubes in blocks of voxels, first part: which cells have a surface, and which edges a vertex.
+"""Marching cubes in blocks of voxels, first part: cells that contain the surface, and edges with a vertex.
 
-Signs and cells are bits, eight in a byte along x, so that a row of eight cells is looked at at once. Numba twins of
+Signs and cells are bits, eight per byte along x, so that rows of eight cells are processed at once. Numba twins of
 :func:`mapper.volume.mesh.textbook.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH 1987.
 """
 
@@ -16,10 +16,7 @@ from mapper.volume.kernels.types import BlockTable, CubeTables, MeshBlocks
 
 @jit
 def neighbours(table: BlockTable, corners: Int64Array, low: int, high: int, out: Int32Array) -> None:
-    """Write the slots (n, side³), z y x, of the blocks at ``low`` … ``high`` from blocks, −1 for those that are not.
-
-    ``corners`` (n, 3) are the keys of the blocks' first voxels.
-    """
+    """Write the slots (n, side³), z y x, of the neighbours at ``low`` … ``high`` of blocks, −1 for missing ones."""
     for i in range(corners.shape[0]):
         n = 0
         for z in range(low, high + 1):
@@ -35,7 +32,7 @@ def neighbours(table: BlockTable, corners: Int64Array, low: int, high: int, out:
 def sign_rows(
     slots: Int32Array, distances: Float32Array, weights: Float32Array, least: np.float32, blocks: MeshBlocks
 ) -> None:
-    """Write the rows of signs of blocks: voxels behind the surface, and voxels with a weight of at least ``least``."""
+    """Write the bit rows of blocks: voxels behind the surface, and voxels with a weight of at least ``least``."""
     zero = np.float32(0.0)
     for i in range(slots.shape[0]):
         slot = slots[i]
@@ -51,7 +48,7 @@ def sign_rows(
 
 @jit
 def _padded_rows(rows: UInt8Array, near: Int32Array, out: Int64Array) -> None:
-    """Write nine rows of nine bits (9, 9), z y, of a block and of its neighbours ``near`` (8,) at 0 and 1."""
+    """Write nine rows of nine bits (9, 9), z y, of a block and its neighbours ``near`` (8,) at 0 and 1."""
     for z in range(9):
         for y in range(9):
             at = (z >> 3) * 4 + (y >> 3) * 2
@@ -68,10 +65,10 @@ def _padded_rows(rows: UInt8Array, near: Int32Array, out: Int64Array) -> None:
 def surface_cells(
     slots: Int32Array, near: Int32Array, tables: CubeTables, blocks: MeshBlocks, out_counts: Int32Array
 ) -> None:
-    """Write the cells of blocks that have a surface, and the number of triangles of each block (n,).
+    """Write the cells of blocks that contain the surface, and the number of triangles of each block (n,).
 
-    ``near`` (n, 8) are the slots of the blocks at 0 and 1 from each. A cell has a surface where its eight corners are
-    known and of both signs.
+    ``near`` (n, 8) are the slots of the blocks at 0 and 1 from each. A cell contains the surface if its eight corners
+    are known and of both signs.
     """
     negative, known = np.empty((9, 9), dtype=np.int64), np.empty((9, 9), dtype=np.int64)
     for i in range(slots.shape[0]):
@@ -108,16 +105,16 @@ def vertex_rows(
     slots: Int32Array, around: Int32Array, blocks: MeshBlocks, tables: CubeTables, out_rows: UInt8Array,
     out_starts: Int32Array, out_counts: Int32Array,
 ) -> None:  # fmt: skip
-    """Write the edges with a vertex (n, 3, 64), how many of the block come before each row, and how many it has.
+    """Write the edges with a vertex (n, 3, 64), the number in the block before each row, and the number per block.
 
-    An edge has a vertex where its ends are of both signs and a cell at it has a surface. ``around`` (n, 27) are the
-    slots of the blocks at −1 … 1 from each.
+    An edge has a vertex if its ends have opposite signs and an adjacent cell contains the surface. ``around`` (n, 27)
+    are the slots of the blocks at −1 … 1 from each.
     """
     negative, cells = np.empty((9, 9), dtype=np.int64), np.empty((9, 9), dtype=np.int64)
     for i in range(slots.shape[0]):
         for z in range(9):
             for y in range(9):
-                # The signs from 0 on; the cells from −1 on, with bit 0 for x = −1.
+                # The signs start at 0; the cells start at −1, with bit 0 for x = −1.
                 at = (1 + (z >> 3)) * 9 + (1 + (y >> 3)) * 3 + 1
                 a, b = around[i, at], around[i, at + 1]
                 bits = np.int64(0)

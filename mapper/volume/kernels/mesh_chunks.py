@@ -1,4 +1,4 @@
-"""Parts of a mesh as meshes of their own, and their light; numba twins of :mod:`mapper.volume.mesh.textbook`."""
+"""Splitting of a mesh into parts, and lighting; numba twins of :mod:`mapper.volume.mesh.textbook`."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def number_vertices(
     triangles: Int32Array, ends: Int64Array, part_of: Int32Array, numbers: Int32Array, out: Int32Array,
     out_used: Int32Array, out_starts: Int64Array,
 ) -> None:  # fmt: skip
-    """Write the triangles (m, 3) of parts with the numbers of their vertices in each part, in the order of their use.
+    """Write the triangles (m, 3) of parts with vertex indices per part, in order of use.
 
-    Part i has the triangles up to ``ends`` (g,) from where the one before ends. ``out_used`` (3 m,) are the vertices of
-    the parts one after the other, and ``out_starts`` (g + 1,) where those of each begin. ``part_of`` (n,), −1 for all
+    Part i has the triangles up to ``ends`` (g,), starting at the end of the part before. ``out_used`` (3 m,) are the
+    vertices of all parts in turn, and ``out_starts`` (g + 1,) the first vertex of each. ``part_of`` (n,), −1 for all
     vertices, and ``numbers`` (n,) are overwritten.
     """
     count, first = 0, 0
@@ -48,11 +48,10 @@ def write_places(
     vertices: Float32Array, normals: Float32Array, used: Int32Array, starts: Int64Array, firsts: Float64Array,
     resolution: float, steps: float, out_places: UInt16Array, out_normals: Int8Array,
 ) -> None:  # fmt: skip
-    """Write the vertices of parts as whole numbers of ``steps`` in a voxel, and their normals times 127.
+    """Write the vertices of parts as integers, ``steps`` per voxel, and their normals times 127.
 
-    ``firsts`` (g, 3) are the places in voxels that the numbers of each part are from; ``used`` and ``starts`` (g + 1,)
-    are those of :func:`number_vertices`. ``out_places`` and ``out_normals`` begin with the first vertex of the first
-    part.
+    ``firsts`` (g, 3) are the origins of each part in voxels; ``used`` and ``starts`` (g + 1,) are those of
+    :func:`number_vertices`. ``out_places`` and ``out_normals`` start with the first vertex of the first part.
     """
     for part in range(firsts.shape[0]):
         for i in range(starts[part], starts[part + 1]):
@@ -65,10 +64,7 @@ def write_places(
 
 @jit
 def shade(colors: UInt8Array, normals: Int8Array, linear: Float32Array, light: Float32Array, out: UInt8Array) -> None:
-    """Write colours (n, 3), sRGB, as those (n, 4) of a surface in the light of an ambient cube, linear RGB and alpha.
-
-    ``linear`` (256,) are the linear values 0 to 255 of sRGB, ``light`` (6,) that from −x, +x, −y, +y, −z, +z.
-    """
+    """Apply ambient cube lighting to the sRGB colours (n, 3) of a surface; write (n, 4) linear RGB and alpha."""
     for i in range(colors.shape[0]):
         total, weighted = np.float32(0.0), np.float32(0.0)
         for k in range(3):

@@ -14,14 +14,14 @@ from mapper.core.array_types import Float32Array, Int32Array, Int64Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.types import CubeTables, MeshBlocks, MeshEdges
 
-_ROW, _LAYER = 11, 121  # of a block with a voxel before it and two behind, along each axis
+_ROW, _LAYER = 11, 121  # of a block padded by one voxel before and two behind, along each axis
 
 
 @jit
 def _padded_block(
     around: Int32Array, distances: Float32Array, weights: Float32Array, least: np.float32, out: Float32Array
 ) -> None:
-    """Write the distances (11³,), z y x, from −1 to 9 of a block; NaN where the weight is less than ``least``."""
+    """Write the distances (11³,), z y x, from −1 to 9 of a block; NaN if the weight is less than ``least``."""
     nan = np.float32(np.nan)
     for z in range(-1, 10):
         for y in range(-1, 10):
@@ -42,7 +42,7 @@ def _padded_block(
 
 @jit
 def _slope(before: np.float32, here: np.float32, after: np.float32) -> np.float32:
-    """Return the difference a voxel: central, or to the one neighbour that is known, or 0."""
+    """Return the difference per voxel: central, or one-sided towards a known neighbour, or 0."""
     forward, backward = after - here, here - before
     known_forward, known_backward = forward == forward, backward == backward  # noqa: PLR0124 - NaN is not itself
     both = (after - before) * np.float32(0.5)
@@ -56,10 +56,10 @@ def write_vertices(
     distances: Float32Array, weights: Float32Array, least: np.float32, resolution: float, out: Float32Array,
     out_normals: Float32Array,
 ) -> None:  # fmt: skip
-    """Write the vertices (m, 3), metres, and their normals (m, 3), of length 1 and towards the sensor's side.
+    """Write the vertices (m, 3), metres, and their unit normals (m, 3), which point to the sensor's side.
 
     The blocks are those of the rows of ``edges`` from ``begin`` on; ``corners`` (n, 3) are the keys of their first
-    voxels, ``around`` (n, 27) the slots around them and ``firsts`` (n + 1,) the numbers of their first vertices.
+    voxels, ``around`` (n, 27) the slots around them and ``firsts`` (n + 1,) the indices of their first vertices.
     """
     field = np.empty(_ROW * _LAYER, dtype=np.float32)
     a, b = np.empty(3, dtype=np.float32), np.empty(3, dtype=np.float32)
@@ -108,14 +108,14 @@ def write_triangles(
     slots: Int32Array, near: Int32Array, starts: Int64Array, blocks: MeshBlocks, edges: MeshEdges,
     firsts: Int64Array, tables: CubeTables, out: Int32Array,
 ) -> None:  # fmt: skip
-    """Write the triangles (m, 3) as numbers of vertices, anticlockwise when seen from the sensor's side.
+    """Write the triangles (m, 3) as vertex indices, counter-clockwise seen from the sensor's side.
 
-    ``near`` (n, 8) are the slots at 0 and 1 from the blocks, ``starts`` (n + 1,) the numbers of their first triangles,
+    ``near`` (n, 8) are the slots at 0 and 1 from the blocks, ``starts`` (n + 1,) the indices of their first triangles,
     ``firsts`` (owners + 1,) those of the first vertices of the rows of ``edges``.
     """
     owner = np.empty(8, dtype=np.int64)
-    signs = np.empty(4, dtype=np.int64)  # of nine voxels each, of the rows at y, y + 1, and these at z + 1
-    # Of the edges along an axis in one of these rows: the bits, the number of the first vertex and of the one at 8.
+    signs = np.empty(4, dtype=np.int64)  # of nine voxels each, for the rows at y and y + 1, and the same at z + 1
+    # For the edges along an axis in one of these rows: the bits, the index of the first vertex and of the one at 8.
     bits, here, beyond = np.zeros((3, 12), dtype=np.int64)
     line, step = np.empty(12, dtype=np.int64), np.empty(12, dtype=np.int64)
     for k in range(12):
@@ -142,7 +142,7 @@ def write_triangles(
                 before, after = owner[at], owner[at + 1]
                 for axis in range(3):
                     if axis != 0 and k >> (axis - 1) & 1:
-                        continue  # an edge of the cell along y or z begins at the cell's own y or z
+                        continue  # an edge of the cell along y or z starts at the cell's own y or z
                     if before >= 0:
                         bits[4 * axis + k] = edges.rows[before, axis, inner]
                         here[4 * axis + k] = firsts[before] + edges.starts[before, axis, inner]

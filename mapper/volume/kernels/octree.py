@@ -1,8 +1,8 @@
-"""The octree of a map in depth-first order, as files have it: a node, then the trees of its children from 0 to 7.
+"""Octree of a map in depth-first order, as stored in files: a node, then the trees of its children from 0 to 7.
 
-Numba twins of :func:`mapper.volume.occupancy.textbook.pruned_tree` and of the files' formats. A node has a value and
-the bits of its children; a leaf has none. The Morton code of a voxel has the bits of its key interleaved, x lowest, so
-that depth first is the order of the codes. Source: octomap's OcTreeBaseImpl::writeNodesRecurs and
+Numba twins of :func:`mapper.volume.occupancy.textbook.pruned_tree` and of the file formats. A node has a value and the
+bits of its children; a leaf has none. The Morton code of a voxel has the bits of its key interleaved, x lowest, so that
+depth-first order is the order of the codes. Source: octomap's OcTreeBaseImpl::writeNodesRecurs and
 OccupancyOcTreeBase::writeBinaryNode.
 """
 
@@ -14,12 +14,12 @@ from mapper.core.array_types import Float32Array, Int32Array, Int64Array, UInt8A
 from mapper.core.jit import jit
 
 DEPTH = 16
-ENDS_EARLY, NO_CHILDREN, TOO_DEEP = -1, -2, -3  #: what is wrong with the data of a tree
+ENDS_EARLY, NO_CHILDREN, TOO_DEEP = -1, -2, -3  #: errors in the data of a tree
 
 
 @jit
 def _spread(key: int) -> int:
-    """Return the 16 bits of a key with two zeros before each."""
+    """Return the 16 bits of a key, each preceded by two zeros."""
     key = (key | key << 16) & 0x0000FF0000FF
     key = (key | key << 8) & 0x00F00F00F00F
     key = (key | key << 4) & 0x0C30C30C30C3
@@ -55,11 +55,12 @@ def grow_tree(
     blocks: Int64Array, slots: Int64Array, parts: Int32Array, values: Float32Array, within: Int64Array,
     out_values: Float32Array, out_masks: UInt8Array,
 ) -> int:  # fmt: skip
-    """Write the tree, not pruned, of all known voxels; return the number of nodes.
+    """Write the unpruned tree of all known voxels; return the number of nodes.
 
-    ``blocks`` (n,) are the Morton codes of the first voxels of blocks, ascending, ``slots`` (n,) theirs in ``parts``
-    (slots, 16), which with ``values`` (parts, 32) is as in :class:`Belief`. ``within`` (512,) is where in a block the
-    voxel of each Morton code is: 32 times the number of its part, and its place there. Values of inner nodes are 0.
+    ``blocks`` (n,) are the Morton codes of the first voxels of blocks, ascending, ``slots`` (n,) their rows of
+    ``parts`` (slots, 16), which with ``values`` (parts, 32) is as in :class:`Belief`. ``within`` (512,) is the position
+    in a block of the voxel of each Morton code: 32 times the index of its part, plus its position there. Values of
+    inner nodes are 0.
     """
     path = np.zeros(DEPTH + 1, dtype=np.int64)
     n, last = 0, np.int64(-1)
@@ -89,13 +90,13 @@ def grow_tree(
 def prune_tree(
     values: Float32Array, masks: UInt8Array, join: bool, out_values: Float32Array, out_masks: UInt8Array
 ) -> int:
-    """Write the tree in which inner nodes have the greatest value of their children; return its number of nodes.
+    """Write the tree with inner nodes set to the maximum of their children; return its number of nodes.
 
-    With ``join`` it is pruned: of eight leaves with one value their parent becomes the leaf.
-    ``out_values`` and ``out_masks`` (n,) have room for the whole tree.
+    With ``join`` it is pruned: a parent of eight leaves with equal values becomes a leaf. ``out_values`` and
+    ``out_masks`` (n,) have room for the whole tree.
     """
     n = values.shape[0]
-    sizes = np.empty(n, dtype=np.int64)  # nodes of the tree below a node, before pruning
+    sizes = np.empty(n, dtype=np.int64)  # nodes in the subtree of a node, before pruning
     pending = np.empty(8 * (DEPTH + 1), dtype=np.int64)
     top = 0
     for i in range(n - 1, -1, -1):
@@ -142,11 +143,11 @@ def place_nodes(masks: UInt8Array, out_codes: Int64Array, out_depths: UInt8Array
 
 @jit
 def read_ot(data: UInt8Array, out_masks: UInt8Array) -> int:
-    """Write the bits of the children of all nodes of a file .ot; return the number of nodes, or what is wrong.
+    """Write the child bits of all nodes of a .ot file; return the number of nodes, or an error code.
 
-    ``data`` holds five bytes of each node. ``out_masks`` has room for all nodes that fit it.
+    ``data`` has five bytes per node. ``out_masks`` has room for all nodes that fit into it.
     """
-    left = np.zeros(DEPTH + 1, dtype=np.int64)  # nodes that are still to come, by depth
+    left = np.zeros(DEPTH + 1, dtype=np.int64)  # remaining nodes by depth
     depth, n = 0, 0
     left[0] = 1
     while True:
@@ -174,13 +175,12 @@ def read_ot(data: UInt8Array, out_masks: UInt8Array) -> int:
 def read_bt(
     data: UInt8Array, free: np.float32, occupied: np.float32, out_values: Float32Array, out_masks: UInt8Array
 ) -> tuple[int, int]:
-    """Write the nodes of a file .bt; return their number or what is wrong, and the number of bytes that were read.
+    """Write the nodes of a .bt file; return their number or an error code, and the number of bytes read.
 
-    ``data`` holds two bytes of each inner node, with two bits for each child: 0 unknown, 1 free, 2 occupied, 3 with
-    children. ``out_values`` and ``out_masks`` have room for 1 + 8 nodes for each two bytes. Inner nodes have the value
-    0.
+    ``data`` has two bytes per inner node, with two bits for each child: 0 unknown, 1 free, 2 occupied, 3 with children.
+    ``out_values`` and ``out_masks`` have room for 1 + 8 nodes per two bytes. Inner nodes have the value 0.
     """
-    pending = np.empty(8 * (DEPTH + 1), dtype=np.int8)  # the states of nodes that are still to come
+    pending = np.empty(8 * (DEPTH + 1), dtype=np.int8)  # the states of pending nodes
     depths = np.empty(8 * (DEPTH + 1), dtype=np.int64)
     pending[0], depths[0], top, n, at = 3, 0, 1, 0, 0
     while top > 0:
@@ -209,8 +209,8 @@ def read_bt(
 
 @jit
 def write_bt(values: Float32Array, masks: UInt8Array, occupied: np.float32, out: UInt8Array) -> None:
-    """Write the two bytes of each inner node, and of the root, as a file .bt has them, of the states of the leaves."""
-    place = np.empty(8 * (DEPTH + 1), dtype=np.int64)  # of nodes to come: 16 × the place of the parent + 2 × number
+    """Write the two bytes of each inner node, and of the root, in the .bt format, from the states of the leaves."""
+    place = np.empty(8 * (DEPTH + 1), dtype=np.int64)  # of pending nodes: 16 × the position of the parent + 2 × index
     top, m = 0, 0
     for i in range(masks.shape[0]):
         if i > 0:
@@ -233,7 +233,7 @@ def fill_leaves(
 ) -> None:
     """Write the values of leaves (n,), in Morton order, into the voxels (blocks, 512), in Morton order, of blocks.
 
-    ``codes`` are of the leaves' first voxels; ``blocks`` are the Morton codes of all blocks that they touch, divided by
+    ``codes`` are those of the leaves' first voxels; ``blocks`` are the Morton codes of all touched blocks, divided by
     512, ascending.
     """
     b = 0

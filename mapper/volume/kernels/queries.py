@@ -1,4 +1,4 @@
-"""Queries of a map: the nearest occupied voxel, and the greatest log-odds of each column.
+"""Map queries: the nearest occupied voxel, and the maximum log-odds of each column.
 
 Numba twins of :func:`mapper.volume.occupancy.textbook.nearest_occupied` and
 :func:`mapper.volume.occupancy.textbook.projection`.
@@ -22,7 +22,7 @@ _BLOCKS = 8192  # along an axis
 def _nearest_in_block(
     belief: Belief, slot: int, x0: int, y0: int, z0: int, at: Float64Array, occupied: float, best: float
 ) -> float:
-    """Return the least squared distance, in voxels, from ``at`` (3,) to an occupied voxel of a block, or ``best``."""
+    """Return the minimum squared distance, in voxels, from ``at`` (3,) to an occupied voxel of a block, or ``best``."""
     if belief.maxima[slot] < occupied:
         return best
     for z in range(8):
@@ -41,11 +41,12 @@ def _nearest_in_block(
 def nearest_occupied(
     belief: Belief, corners: Int64Array, points: Float64Array, occupied: float, limit: float, out: Float64Array
 ) -> None:
-    """Write the distance (n,) from each point (n, 3) to the nearest centre of an occupied voxel, infinite from a limit.
+    """Write the distance (n,) from each point (n, 3) to the nearest centre of an occupied voxel, infinite beyond a
+    limit.
 
-    Points and distances are in voxels; a point is a key with a fraction. ``corners`` (slots, 3) are the keys of the
-    blocks' first voxels. Blocks are visited in cubes around the point, and all of them at once where the cube would
-    have more blocks than the map.
+    Points and distances are in voxels; a point is a fractional key. ``corners`` (slots, 3) are the keys of the blocks'
+    first voxels. Blocks are visited in growing cubes around the point, or all at once if the cube would have more
+    blocks than the map.
     """
     for i in range(points.shape[0]):
         at = points[i]
@@ -54,7 +55,7 @@ def nearest_occupied(
         bx, by, bz = int(np.floor(at[0] / 8.0)), int(np.floor(at[1] / 8.0)), int(np.floor(at[2] / 8.0))
         ring = 0
         while True:
-            nearest = 8.0 * (ring - 1) + 0.5  # of a voxel's centre in the blocks of this ring
+            nearest = 8.0 * (ring - 1) + 0.5  # minimum distance of a voxel centre in the blocks of this ring
             if nearest > 0.0 and nearest * nearest > best:
                 break
             if (2 * ring + 1) ** 3 > 8 * corners.shape[0] + 27:
@@ -84,10 +85,10 @@ def project_columns(
     corners: Int64Array, parts: Int32Array, values: Float32Array, low: int, high: int, x0: int, y0: int,
     out: Float32Array,
 ) -> None:  # fmt: skip
-    """Raise ``out`` (rows, cols) to the greatest log-odds of the voxels of each column with key z ``low`` … ``high``.
+    """Raise ``out`` (rows, cols) to the maximum log-odds of the voxels of each column with key z ``low`` … ``high``.
 
-    ``corners`` (n, 3) and ``parts`` (n, 16) are of blocks, with parts in ``values`` as in :class:`Belief`; cell (0, 0)
-    is the column of key (``x0``, ``y0``). ``out`` is NaN where nothing is known so far.
+    ``corners`` (n, 3) and ``parts`` (n, 16) are those of blocks, with parts in ``values`` as in :class:`Belief`; cell
+    (0, 0) is the column of key (``x0``, ``y0``). ``out`` is NaN where nothing is known yet.
     """
     for b in range(corners.shape[0]):
         for z in range(max(low - corners[b, 2], 0), min(high - corners[b, 2] + 1, 8)):

@@ -1,7 +1,7 @@
-"""The marks of the voxels that a scan's beams pass and end in.
+"""Marks of the voxels that a scan's beams pass and end in.
 
 Numba twin of :func:`mapper.volume.occupancy.textbook.seen_voxels`. Source: Amanatides & Woo, A fast voxel traversal
-algorithm for ray tracing, 1987, with the number types and the order of ties of octomap's computeRayKeys.
+algorithm for ray tracing, 1987, with the number types and tie order of octomap's computeRayKeys.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from mapper.volume.kernels.types import Box
 
 CENTRE = 32768
 PASSED, ENDED = np.uint8(1), np.uint8(2)  #: marks of a voxel
-_LANES = 32  # rays at a time: of fewer the compiler unrolls the loop instead of making vector instructions
-_STEPS = 8  # steps of all lanes before rays that ended make room
+_LANES = 32  # rays processed together; with fewer the compiler unrolls the loop instead of vectorising it
+_STEPS = 8  # steps of all lanes before finished rays are replaced
 
 
 @jit
@@ -27,10 +27,10 @@ def _norm(x: float, y: float, z: float) -> float:
 
 @jit
 def _crossing(key: int, origin: float, along: float, resolution: float, half: float) -> tuple[int, float, float]:
-    """Return the step, the distance to the first border and the distance between borders, of one axis, metres.
+    """Return the step, the distance to the first border and the distance between borders of one axis, metres.
 
     ``key`` is that of the first voxel, ``origin`` the sensor's coordinate, ``along`` the component of the unit
-    direction; ``half`` is half of ``resolution``, in the number type of the rounding that is wanted.
+    direction; ``half`` is half of ``resolution``, in the number type in which to round.
     """
     if along == 0.0:
         return 0, np.inf, np.inf
@@ -41,7 +41,9 @@ def _crossing(key: int, origin: float, along: float, resolution: float, half: fl
 
 @jit
 def voxel_keys(points: Float32Array, resolution: float, out: Int64Array, out_inside: BoolArray) -> None:
-    """Write the keys (n, 3) of the voxels that hold points (n, 3), and which points are finite and in the lattice."""
+    """Write the keys (n, 3) of the voxels that contain points (n, 3), and which points are finite and in the
+    lattice.
+    """
     factor, top = 1.0 / resolution, float(CENTRE)
     for i in range(points.shape[0]):
         x = np.floor(factor * float(points[i, 0]))
@@ -57,7 +59,7 @@ def voxel_keys(points: Float32Array, resolution: float, out: Int64Array, out_ins
 
 @jit
 def pack_keys(keys: Int64Array) -> Int64Array:
-    """Return keys (n, 3) as one number each (n,), of 16 bits for each axis, x in the lowest."""
+    """Pack keys (n, 3) into integers (n,), 16 bits per axis, x lowest."""
     out = np.empty(keys.shape[0], dtype=np.int64)
     for i in range(keys.shape[0]):
         out[i] = keys[i, 2] << 32 | keys[i, 1] << 16 | keys[i, 0]
@@ -66,7 +68,7 @@ def pack_keys(keys: Int64Array) -> Int64Array:
 
 @jit
 def distinct_voxels(packed: Int64Array, resolution: float, keys: Int64Array, centres: Float32Array) -> int:
-    """Write the keys (n, 3) and centres (n, 3), metres, of the voxels in sorted ``packed`` keys, once; return n."""
+    """Write the keys (n, 3) and centres (n, 3), metres, of the distinct voxels in sorted ``packed`` keys; return n."""
     n = 0
     for i in range(packed.shape[0]):
         if i > 0 and packed[i] == packed[i - 1]:
@@ -80,7 +82,7 @@ def distinct_voxels(packed: Int64Array, resolution: float, keys: Int64Array, cen
 
 @jit
 def key_bounds(keys: Int64Array, low: Int64Array, high: Int64Array) -> None:
-    """Lower ``low`` (3,) and raise ``high`` (3,) to the least and the greatest of keys (n, 3) along each axis."""
+    """Lower ``low`` (3,) and raise ``high`` (3,) to the minimum and maximum of keys (n, 3) along each axis."""
     low_x, low_y, low_z, high_x, high_y, high_z = low[0], low[1], low[2], high[0], high[1], high[2]
     for i in range(keys.shape[0]):
         x, y, z = keys[i, 0], keys[i, 1], keys[i, 2]
@@ -94,7 +96,7 @@ def _mark_ray(
     first: Int64Array, last: Int64Array, steps: tuple[int, int, int], crossings: tuple[float, float, float],
     apart: tuple[float, float, float], limit: float, box: Box, marks: UInt8Array,
 ) -> None:  # fmt: skip
-    """Mark the voxels of a box that a ray passes which need not stay in it."""
+    """Mark the voxels of a box passed by a ray that may leave it."""
     x, y, z = first[0] - box.x, first[1] - box.y, first[2] - box.z
     last_x, last_y, last_z = last[0] - box.x, last[1] - box.y, last[2] - box.z
     tx, ty, tz = crossings
@@ -119,16 +121,15 @@ def mark_rays(
     """Mark the voxels of a box (nz, ny, nx) that rays pass, from ``origin`` (3,) to ``ends`` (n, 3), metres.
 
     ``first`` (3,) and ``lasts`` (n, 3) are the keys of their voxels; the last voxel of a ray is not marked. Several
-    threads may mark one box.
-
-    :data:`_LANES` rays are followed at a time, a step of each in turn, so that the compiler makes vector instructions
-    of the steps. A ray that has ended gives its lane to the next one; until then it stays in the first voxel of all.
+    threads may mark one box. :data:`_LANES` rays are traced in parallel, one step of each in turn, so that the compiler
+    vectorises the steps. When a ray has ended, the next one takes its lane; until then the lane stays in the first
+    voxel.
     """
     half = float(np.float32(resolution * 0.5))
     row, layer = box.nx, box.nx * box.ny
     top_x, top_y, top_z = box.x + box.nx, box.y + box.ny, box.z + box.nz
     start = (first[2] - box.z) * layer + (first[1] - box.y) * row + (first[0] - box.x)
-    # One array of each type: the compiler must see that the lanes' values do not overlap.
+    # position, steps along x, y and z, last position, whether the lane has a ray
     place = np.zeros(6 * _LANES, dtype=np.int64)  # now, steps along x, y and z, last, whether the lane has a ray
     place[:_LANES] = start
     path = np.ones(7 * _LANES)  # distances to the next borders, distances between borders, length
@@ -142,7 +143,7 @@ def mark_rays(
                 i += 1
                 if x == first[0] and y == first[1] and z == first[2]:
                     continue
-                # A ray that ends a voxel too far for rounding is still within these bounds.
+                # A ray that ends one voxel too far because of rounding is still within these bounds.
                 low_x, low_y, low_z = min(x, first[0]) - 1, min(y, first[1]) - 1, min(z, first[2]) - 1
                 high_x, high_y, high_z = max(x, first[0]) + 1, max(y, first[1]) + 1, max(z, first[2]) + 1
                 if high_x < box.x or high_y < box.y or high_z < box.z or low_x >= top_x or low_y >= top_y:

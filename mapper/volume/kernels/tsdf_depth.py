@@ -1,7 +1,7 @@
-"""Depth images in truncated signed distances: which blocks an image's surface may touch, and their update.
+"""Depth images in truncated signed distance fields: the blocks that a surface may touch, and their update.
 
 Numba twins of :func:`mapper.volume.surface.textbook.fuse_depth`. Source: Newcombe et al., KinectFusion, ISMAR 2011,
-section 3.3: a voxel takes the depth of the pixel that its centre is seen in.
+section 3.3: a voxel gets the depth of the pixel onto which its centre projects.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from mapper.core.array_types import BoolArray, Float32Array, Int32Array, UInt8Ar
 from mapper.core.jit import jit
 from mapper.volume.kernels.types import Box, DepthView, Fusion
 
-TILE = 8  #: pixels along a side of the tiles of which blocks are found
-_PIECE = 4.0  # voxels of depth that are laid into one box
-_SLACK = 1e-3  # voxels and pixels, for rounding
+TILE = 8  #: pixels along a side of the tiles for which blocks are found
+_PIECE = 4.0  # voxels of depth covered by one box
+_SLACK = 1e-3  # tolerance for rounding, in voxels and pixels
 
 
 @jit
@@ -50,7 +50,7 @@ def _mark_pyramid(
 
 @jit
 def depth_span(depth: Float32Array, far: np.float32) -> tuple[int, np.float32]:
-    """Return how many depths (n,) are positive and at most ``far``, and the greatest of them, 0 without any."""
+    """Return how many depths (n,) are positive and at most ``far``, and their maximum, 0 without any."""
     zero, count, greatest = np.float32(0.0), 0, np.float32(0.0)
     for i in range(depth.shape[0]):
         d = depth[i]
@@ -67,7 +67,7 @@ def mark_surface(
 ) -> None:
     """Mark the blocks (nz × ny × nx,) of a box that may have voxels within the truncation of the surface.
 
-    Only the rows of tiles ``first`` … ``last`` − 1 are looked at; several threads may mark one box.
+    Only the tile rows ``first`` … ``last`` − 1 are processed; several threads may mark one box.
     """
     band = np.float64(fusion.truncation)
     least, greatest = np.empty(view.width, dtype=np.float32), np.empty(view.width, dtype=np.float32)
@@ -90,7 +90,7 @@ def mark_surface(
                 near, far = min(near, least[col]), max(far, greatest[col])
             if far == zero:
                 continue
-            # One pyramid for each layer of depths that are near each other: one tile may see several surfaces.
+            # One pyramid for each layer of similar depths, because one tile may see several surfaces.
             while True:
                 end = far
                 if far - near > fusion.truncation:
@@ -117,10 +117,11 @@ def fuse_depth(
     view: DepthView, fusion: Fusion, corners: Float32Array, offsets: Float32Array, slots: Int32Array,
     distances: Float32Array, weights: Float32Array, out_touched: UInt8Array,
 ) -> None:  # fmt: skip
-    """Update the voxels of blocks by a depth image; write 1 for each that changed (n,), 3 where by the surface itself.
+    """Update the voxels of blocks by a depth image; write 1 for each changed one (n,), 3 if changed by the surface
+    itself.
 
-    ``corners`` (n, 3) are the first voxels' centres, u z, v z, z, in pixels and metres of the camera; ``offsets``
-    (3, 512) what the others have more. ``distances`` and ``weights`` (slots, 512) are the map.
+    ``corners`` (n, 3) are the first voxels' centres, u z, v z, z, in pixels and metres of the camera; ``offsets`` (3,
+    512) are those of the others relative to it. ``distances`` and ``weights`` (slots, 512) are the map.
     """
     zero, unit, half, infinite = np.float32(0.0), np.float32(1.0), np.float32(0.5), np.float32(np.inf)
     right, bottom = np.float32(view.width - 0.5), np.float32(view.height - 0.5)
@@ -128,7 +129,7 @@ def fuse_depth(
     carve, inverse_square = fusion.carve, fusion.inverse_square
     depth, width = view.depth, np.int32(view.width)
     fall = unit / max(band - near, np.float32(1e-30))
-    # Three loops: the compiler vectorises the first and the last, but no loop that looks up pixels and writes.
+    # Three loops: the compiler vectorises the first and the last, but no loop that both looks up pixels and writes.
     pixels, away, depths = (
         np.empty(512, dtype=np.int32),
         np.empty(512, dtype=np.float32),
@@ -138,7 +139,7 @@ def fuse_depth(
         cu, cv, cz = corners[i, 0], corners[i, 1], corners[i, 2]
         for k in range(512):
             z = cz + offsets[2, k]
-            inverse = np.divide(unit, z)  # `/` raises at 0, and no such loop is vectorised
+            inverse = np.divide(unit, z)  # `/` raises at 0, which prevents vectorisation
             u, v = (cu + offsets[0, k]) * inverse, (cv + offsets[1, k]) * inverse
             seen = (z > zero) & (u >= -half) & (u < right) & (v >= -half) & (v < bottom)
             col, row = np.int32(u + half if seen else zero), np.int32(v + half if seen else zero)

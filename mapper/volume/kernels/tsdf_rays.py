@@ -1,4 +1,4 @@
-"""Beams in truncated signed distances: the voxels of each around its end, one beam after the other.
+"""Beams in truncated signed distance fields: the voxels around the end of each, beam by beam.
 
 Numba twin of :func:`mapper.volume.surface.textbook.fuse_points`. Source: Curless & Levoy, SIGGRAPH 1996: signed
 distances along the line of sight; Amanatides & Woo, 1987, for the voxels on a line.
@@ -15,12 +15,12 @@ from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.kernels.types import BlockTable, Fusion
 
-Axis = tuple[int, float, float]  #: step, parameter of the first border and that between borders, 0 … 1 on the line
+Axis = tuple[int, float, float]  #: step, parameter of the first border and between borders, 0 to 1 along the line
 
 
 @jit
 def _border(at: float, along: float) -> Axis:
-    """Return one axis of a line that goes ``along`` from ``at``, in keys."""
+    """Return one axis of a line from ``at`` with extent ``along``, in keys."""
     if along == 0.0:
         return 0, np.inf, np.inf
     step = 1 if along > 0.0 else -1
@@ -32,9 +32,9 @@ def _border(at: float, along: float) -> Axis:
 def _line(
     origin: Float64Array, end: Float64Array, resolution: float, fusion: Fusion
 ) -> tuple[float, tuple[float, float, float], tuple[int, int, int], tuple[Axis, Axis, Axis]]:
-    """Return of a beam its length in metres, its direction in keys, the first voxel to update, and the axes from there.
+    """Return a beam's length in metres, its direction in keys, the first voxel to update, and the axes from there.
 
-    The length is 0 for a beam that updates nothing: one of no length, or one that is too long.
+    The length is 0 for a beam that updates nothing, because it has no length or is too long.
     """
     dx, dy, dz = end[0] - origin[0], end[1] - origin[1], end[2] - origin[2]
     length = sqrt(dx * dx + dy * dy + dz * dz) * resolution
@@ -50,9 +50,10 @@ def _line(
 
 @jit
 def beam_blocks(origin: Float64Array, ends: Float64Array, resolution: float, fusion: Fusion, out: Int64Array) -> int:
-    """Write the codes of the blocks with voxels that beams pass within the truncation of their ends; return how many.
+    """Write the codes of the blocks with voxels that beams pass within the truncation of their ends; return their
+    number.
 
-    ``origin`` (3,) and ``ends`` (n, 3) are in keys. ``out`` is long enough. The voxels are those of
+    ``origin`` (3,) and ``ends`` (n, 3) are in keys. ``out`` must be long enough. The voxels are those of
     :func:`fuse_beams`, to the last bit.
     """
     band, n = np.float64(fusion.truncation), 0
@@ -89,9 +90,9 @@ def fuse_beams(
 ) -> None:  # fmt: skip
     """Update the voxels that beams pass, in the order of the beams, and write which blocks (slots,) have changed.
 
-    ``origin`` (3,) and ``ends`` (n, 3) are in keys; ``distances`` and ``weights`` (slots, 512) are the map. A voxel is
-    updated by each beam that passes it: within the truncation of its end and, if ``fusion.carve``, farther before it
-    too, in the blocks of the table.
+    ``origin`` (3,) and ``ends`` (n, 3) are in keys; ``distances`` and ``weights`` (slots, 512) are the map. Each beam
+    that passes a voxel updates it: within the truncation of its end and, if ``fusion.carve``, also farther before it,
+    in the blocks of the table.
     """
     band, near = np.float64(fusion.truncation), np.float64(fusion.near)
     most = np.float64(fusion.max_weight)

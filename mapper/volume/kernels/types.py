@@ -10,9 +10,9 @@ from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int6
 
 
 class BlockTable(NamedTuple):
-    """A hash table with open addressing: the codes of blocks, −1 where there is none, and the slots of their voxels.
+    """A hash table with open addressing: the codes of blocks, −1 for empty entries, and the slots of their voxels.
 
-    Both have a length that is a power of two and at least twice the number of blocks.
+    Both arrays have a power-of-two length of at least twice the number of blocks.
     """
 
     codes: Int64Array
@@ -31,10 +31,10 @@ class Box(NamedTuple):
 
 
 class Belief(NamedTuple):
-    """The log-odds of voxels, NaN where unknown; of each block (slots,) their greatest and how many are known.
+    """The log-odds of voxels, NaN if unknown; for each block (slots,) their maximum and the number of known voxels.
 
-    ``values`` (parts, 2, 2, 8), z y x, are parts of blocks and ``parts`` (slots, 16) their numbers: the voxel (x, y, z)
-    of a block is ``values[parts[slot, z >> 1 << 2 | y >> 1], z & 1, y & 1, x]``. Part 0 is unknown everywhere.
+    ``values`` (parts, 2, 2, 8), z y x, are parts of blocks and ``parts`` (slots, 16) their indices: the voxel (x, y, z)
+    of a block is ``values[parts[slot, z >> 1 << 2 | y >> 1], z & 1, y & 1, x]``. Part 0 is all unknown.
     """
 
     table: BlockTable
@@ -45,14 +45,13 @@ class Belief(NamedTuple):
 
 
 class StopMasks(NamedTuple):
-    """Voxels that end a cast ray: a bit for each voxel of a block, and a byte that is not 0 if there are any.
+    """Voxels that end a cast ray: a bit for each voxel of a block, and a byte that is non-zero if there are any.
 
-    Words ``words[:, 0]`` (slots, 8), z, have bit 8 y + x of occupied voxels, ``words[:, 1]`` of those that are occupied
-    or unknown. ``found`` (slots,) has bit 0 where a block has any of the first kind, bit 1 any of the second.
-
-    ``grid`` (nz, ny, nx) has 4 · slot + found of each block in the box around all, and −2, which has bit 1 too, where
-    there is none. Its first block is at (``x``, ``y``, ``z``), in blocks. It is empty where the box would be much
-    larger than the map; blocks are then found by the hash.
+    Words ``words[:, 0]`` (slots, 8), z, have bit 8 y + x set for occupied voxels, ``words[:, 1]`` for occupied or
+    unknown ones. ``found`` (slots,) has bit 0 set if a block has any of the first kind, bit 1 for the second. ``grid``
+    (nz, ny, nx) has 4 · slot + found for each block in the bounding box of all blocks, and −2, which also has bit 1
+    set, for missing ones. Its first block is at (``x``, ``y``, ``z``), in blocks. It is empty if the box would be much
+    larger than the map; blocks are then looked up in the hash table.
     """
 
     words: UInt64Array
@@ -64,7 +63,9 @@ class StopMasks(NamedTuple):
 
 
 class CastRule(NamedTuple):
-    """End of a cast ray: at log-odds from ``occupied``, at unknown voxels, and beyond ``range_max`` > 0, metres."""
+    """End of a cast ray: at log-odds of ``occupied`` or more, at unknown voxels, and beyond ``range_max`` > 0,
+    metres.
+    """
 
     resolution: float
     occupied: float
@@ -73,7 +74,7 @@ class CastRule(NamedTuple):
 
 
 class Updates(NamedTuple):
-    """Increments of the log-odds of voxels by a scan, and their limits."""
+    """Log-odds increments of voxels by a scan, and their limits."""
 
     miss: np.float32
     hit: np.float32
@@ -82,11 +83,11 @@ class Updates(NamedTuple):
 
 
 class FaceRule(NamedTuple):
-    """Voxels that are drawn, and their colours, numbers from 1 to ``colours``.
+    """Drawn voxels, and their colours, numbers from 1 to ``colours``.
 
-    Those with log-odds from ``occupied`` and a key x, y, z of ``first`` … ``last``. The colour grows by 1 with each
-    ``band`` voxels of height from the key ``base``, or, if ``by_belief``, with the log-odds up to ``greatest``.
-    If ``seen_only``, faces towards unknown voxels are left out: no sensor has seen them.
+    Drawn are voxels with log-odds of ``occupied`` or more and a key x, y, z in ``first`` … ``last``. The colour
+    increases by 1 for each ``band`` voxels of height above the key ``base`` or, if ``by_belief``, with the log-odds up
+    to ``greatest``. If ``seen_only``, faces towards unknown voxels are omitted, because no sensor has seen them.
     """
 
     occupied: float
@@ -101,9 +102,10 @@ class FaceRule(NamedTuple):
 
 
 class Fusion(NamedTuple):
-    """Update of truncated signed distances by measurements of a surface; lengths in metres.
+    """Update of truncated signed distances by surface measurements; lengths in metres.
 
-    ``near`` is how far behind the surface weights begin to fall, the truncation itself where they do not.
+    ``near`` is the distance behind the surface at which weights begin to decrease, or the truncation itself if they do
+    not.
     """
 
     truncation: np.float32
@@ -115,10 +117,10 @@ class Fusion(NamedTuple):
 
 
 class DepthView(NamedTuple):
-    """A depth image (height × width,), metres, row after row, and its camera among the voxels.
+    """A depth image (height × width,), metres, row-major, and its camera relative to the voxels.
 
-    ``rays`` (3, 3) float64 takes (u, v, 1) to the direction of that pixel at a depth of 1 m, in voxels of the lattice;
-    ``origin`` (3,) is the camera's place in keys, so that the centre of the voxel of key k is at k.
+    ``rays`` (3, 3) float64 maps (u, v, 1) to the direction of that pixel at a depth of 1 m, in voxels of the lattice;
+    ``origin`` (3,) is the camera's position in keys, such that the centre of the voxel of key k is at k.
     """
 
     depth: Float32Array
@@ -129,9 +131,10 @@ class DepthView(NamedTuple):
 
 
 class CubeTables(NamedTuple):
-    """The cases of marching cubes, see :mod:`mapper.volume.mesh.cube_cases`: the number of triangles (256,), their
-    edges (256, 3 × the greatest number), the first corner of each edge (12,); and the number of bits of each byte
-    (256,).
+    """The cases of marching cubes, see :mod:`mapper.volume.mesh.cube_cases`.
+
+    They are the number of triangles (256,), their edges (256, 3 × the maximum number), the first corner of each edge
+    (12,), and the number of set bits of each byte (256,).
     """
 
     counts: UInt8Array
@@ -141,10 +144,10 @@ class CubeTables(NamedTuple):
 
 
 class MeshBlocks(NamedTuple):
-    """Blocks of a mesh while it is made, by the slots of their voxels.
+    """Blocks of a mesh during meshing, by the slots of their voxels.
 
     ``negative``, ``known`` and ``cells`` (slots, 8, 8), z y, are rows of eight bits, x ascending: voxels behind the
-    surface, voxels with a weight, and cells with a surface (that of a cell's first voxel).
+    surface, voxels with a weight, and cells that contain the surface (at a cell's first voxel).
     """
 
     negative: UInt8Array
@@ -153,10 +156,10 @@ class MeshBlocks(NamedTuple):
 
 
 class MeshEdges(NamedTuple):
-    """The vertices of a mesh, on edges between voxels, by the place of the edges' first voxel.
+    """The vertices of a mesh, on edges between voxels, by the position of the edges' first voxel.
 
     ``rows`` (owners, 3, 64) are bits as in :class:`MeshBlocks` for edges along x, y and z, ``starts`` (owners, 3, 64)
-    the number of the first vertex of each row. ``owners`` (slots,) are rows of these, −1 for blocks without vertices.
+    the index of the first vertex of each row. ``owners`` (slots,) are rows of these, −1 for blocks without vertices.
     """
 
     rows: UInt8Array

@@ -1,4 +1,4 @@
-"""The update of a map by the marks of one scan, and its decay: each voxel once.
+"""Map update by the marks of one scan, and decay; each voxel is updated once.
 
 Numba twins of :func:`mapper.volume.occupancy.textbook.insert_scan` and :func:`mapper.volume.occupancy.textbook.decay`.
 """
@@ -18,10 +18,10 @@ from mapper.volume.kernels.types import Belief, Box, Updates
 def marked_blocks(
     words: Int64Array, box: Box, z0: int, z1: int, codes: Int64Array, corners: Int64Array, parts: UInt16Array
 ) -> int:
-    """Write the codes (n,) of the blocks that have marks and where they begin in the marks (n,); return n.
+    """Write the codes (n,) of the blocks with marks and their offsets in the marks (n,); return n.
 
-    Bits of ``parts`` (n,) are the parts of a block with marks, by their numbers. ``words`` are the marks of the box
-    (nz, ny, nx) as words of eight; only layers of blocks ``z0`` … ``z1`` − 1 are looked at.
+    Bits of ``parts`` (n,) are the parts of a block with marks. ``words`` are the marks of the box (nz, ny, nx) as words
+    of eight; only layers of blocks ``z0`` … ``z1`` − 1 are processed.
     """
     row, n = box.nx // 8, 0
     for bz in range(z0, z1):
@@ -45,9 +45,9 @@ def marked_blocks(
 
 @jit
 def add_parts(parts: Int32Array, slots: Int32Array, wanted: UInt16Array, first: int) -> int:
-    """Number the parts of blocks that are bits of ``wanted`` (n,) and have no number from ``first``; return how many.
+    """Assign indices from ``first`` on to the parts in the bits of ``wanted`` (n,) that have none; return their number.
 
-    ``parts`` (slots, 16) are the numbers of the parts of all blocks, 0 where there is none.
+    ``parts`` (slots, 16) are the part indices of all blocks, 0 for none.
     """
     number = first
     for i in range(slots.shape[0]):
@@ -63,10 +63,10 @@ def apply_marks(
     marks: UInt8Array, words: Int64Array, box: Box, corners: Int64Array, slots: Int32Array, updates: Updates,
     belief: Belief,
 ) -> None:  # fmt: skip
-    """Add the updates to the log-odds of the marked voxels of blocks, clamp them, and take the marks away.
+    """Add the updates to the log-odds of the marked voxels of blocks, clamp them, and clear the marks.
 
-    ``marks`` and ``words`` are the same memory, as :func:`marked_blocks` takes it; the parts of blocks with marks are
-    there. The greatest log-odds and the number of known voxels are written for each block.
+    ``marks`` and ``words`` are the same memory, as in :func:`marked_blocks`; the parts of blocks with marks must be
+    allocated. The maximum log-odds and the number of known voxels are written for each block.
     """
     row = box.nx // 8
     zero = np.float32(0.0)
@@ -97,7 +97,7 @@ def apply_marks(
 
 @jit
 def summarise_blocks(belief: Belief, n: int) -> None:
-    """Write for the first ``n`` blocks the greatest log-odds, −Inf without any, and the number of known voxels."""
+    """Write the maximum log-odds, −Inf without any, and the number of known voxels of the first ``n`` blocks."""
     for i in range(n):
         top, count = np.float32(-np.inf), 0
         for p in range(16):

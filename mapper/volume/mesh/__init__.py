@@ -1,1 +1,1 @@
-"""Triangles of surfaces and faces of voxels, in chunks, and files of them."""
+"""Triangles of surfaces and faces of voxels, in chunks, and mesh files."""

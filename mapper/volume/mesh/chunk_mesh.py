@@ -1,4 +1,4 @@
-"""The triangles of one chunk of a surface: whole numbers, as few bytes as a browser can take."""
+"""Triangles of one chunk of a surface, in compact integer arrays for browsers."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from mapper.core.parallel import cores, in_parallel, shares
 from mapper.volume.kernels.mesh_chunks import number_vertices, shade, write_places
 from mapper.volume.mesh.mesh import Mesh
 
-STEPS = 1024  #: of a vertex's place in one voxel
-_SHARE = 20_000  # vertices from which a second thread is worth its start
+STEPS = 1024  #: vertex positions per voxel
+_SHARE = 20_000  # vertices above which a second thread is worthwhile
 
 
 def linear_of(colors: UInt8Array) -> Float64Array:
-    """Return sRGB colours as linear ones, 0 to 1. Source: IEC 61966-2-1."""
+    """Convert sRGB colours to linear ones, 0 to 1. Source: IEC 61966-2-1."""
     srgb = colors.astype(np.float64) / 255.0
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
@@ -32,9 +32,9 @@ _LINEAR = (255.0 * linear_of(np.arange(256, dtype=np.uint8))).astype(np.float32)
 class ChunkMesh:
     """Triangles of one chunk: ``places`` (n, 3) uint16 in 1 / 1024 voxels from the centre of its first voxel.
 
-    ``normals`` (n, 3) int8 have a length of about 127. ``triangles`` (m, 3) are numbers of vertices, uint16 where these
-    are enough, anticlockwise seen from outside. Vertices that two chunks share have the same place in both, so that
-    there are no gaps between them.
+    ``normals`` (n, 3) int8 have a length of about 127. ``triangles`` (m, 3) are vertex indices, uint16 if sufficient,
+    counter-clockwise seen from outside. Vertices shared by two chunks have the same position in both, so that there are
+    no gaps.
     """
 
     places: UInt16Array
@@ -42,7 +42,7 @@ class ChunkMesh:
     triangles: NDArray[np.unsignedinteger[Any]]
 
     def equals(self, other: ChunkMesh) -> bool:
-        """Return whether all arrays are the same."""
+        """Return whether all arrays are equal."""
         return all(
             np.array_equal(a, b)
             for a, b in (
@@ -52,9 +52,9 @@ class ChunkMesh:
 
 
 def chunk_meshes(mesh: Mesh, ends: Int64Array, firsts: Float64Array, resolution: float) -> list[ChunkMesh]:
-    """Return parts of a mesh: the triangles up to each of ``ends`` (g,) from the one before.
+    """Return parts of a mesh: the triangles up to each of ``ends`` (g,), starting at the end before.
 
-    ``firsts`` (g, 3) are the places, voxels from 0 of the map, that those of each part's vertices are counted from.
+    ``firsts`` (g, 3) are the origins, in voxels from 0 of the map, of each part's vertex positions.
     """
     n, m = len(mesh.vertices), len(mesh.triangles)
     numbered, used = np.empty((m, 3), dtype=np.int32), np.empty(3 * m, dtype=np.int32)
@@ -73,7 +73,7 @@ def chunk_meshes(mesh: Mesh, ends: Int64Array, firsts: Float64Array, resolution:
         ]
     )  # fmt: skip
     parts, first = [], 0
-    # Copies, since a part is kept when the others have been replaced.
+    # Copies, because a part outlives the mesh when other parts are replaced.
     for end, a, b in zip(ends.tolist(), starts[:-1].tolist(), starts[1:].tolist(), strict=True):
         kind = np.uint16 if b - a <= 1 << 16 else np.uint32
         parts.append(ChunkMesh(places[a:b].copy(), normals[a:b].copy(), numbered[first:end].astype(kind)))
@@ -82,9 +82,9 @@ def chunk_meshes(mesh: Mesh, ends: Int64Array, firsts: Float64Array, resolution:
 
 
 def cut_between(mesh: ChunkMesh, low: ArrayLike, high: ArrayLike) -> ChunkMesh | None:
-    """Return the triangles all of whose corners have places ``low`` … ``high`` (3,); the same object for all of them.
+    """Return the triangles with all corners in ``low`` … ``high`` (3,), the same object if that is all of them.
 
-    None where there are none.
+    None if there are none.
     """
     is_kept = np.all((mesh.places >= np.asarray(low)) & (mesh.places <= np.asarray(high)), axis=1)
     if is_kept.all():
@@ -94,10 +94,7 @@ def cut_between(mesh: ChunkMesh, low: ArrayLike, high: ArrayLike) -> ChunkMesh |
 
 
 def shaded(colors: UInt8Array, normals: Int8Array, light: Float32Array) -> UInt8Array:
-    """Return colours (n, 3) with the light on a surface, as :func:`mapper.volume.mesh.textbook.shaded` does.
-
-    Raises :class:`ConfigError` for arrays of other shapes.
-    """
+    """Apply lighting to the colours (n, 3) of a surface, like :func:`mapper.volume.mesh.textbook.shaded`."""
     if colors.shape != normals.shape or colors.shape[1:] != (3,) or light.shape != (6,):
         raise ConfigError(
             "mesh.shape",

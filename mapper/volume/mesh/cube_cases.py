@@ -1,11 +1,12 @@
-"""The cases of marching cubes, derived: which triangles a cube has by the signs of its eight corners.
+"""Derivation of the marching cubes cases: the triangles of a cube for the signs of its eight corners.
 
-Source: Lorensen & Cline, Marching cubes: a high resolution 3D surface construction algorithm, SIGGRAPH 1987.
-Faces whose corners have signs − + − + in turn are ambiguous (Dürst 1988); here the two negative corners of such a face
-are always apart. This depends on the face alone, so the two cubes that share it agree and the surface has no holes.
+Source: Lorensen & Cline, Marching cubes: a high resolution 3D surface construction algorithm, SIGGRAPH 1987. Faces with
+alternating corner signs − + − + are ambiguous (Dürst 1988); here the two negative corners of such a face are always
+separated. This depends only on the face, so the two cubes that share it agree and the surface has no holes.
 
-Corner c of a cube is at x = c & 1, y = c >> 1 & 1, z = c >> 2. Edge e goes along axis e >> 2; bits 0 and 1 of e are the
-places of its first corner on the other axes, the lower axis first. Bit c of case k is set where corner c is negative.
+Corner c of a cube is at x = c & 1, y = c >> 1 & 1, z = c >> 2. Edge e is parallel to axis e >> 2; bits 0 and 1 of e are
+the coordinates of its first corner on the other axes, the lower axis first. Bit c of case k is set if corner c is
+negative.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from mapper.volume.kernels.types import CubeTables
 
-# The corners of the faces, anticlockwise when seen from outside.
+# The corners of the faces, counter-clockwise seen from outside.
 FACES = ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6))
 
 
@@ -36,10 +37,9 @@ def corners_of(edge: int) -> tuple[int, int]:
 
 
 def polygons(case: int) -> list[list[int]]:
-    """Return the polygons of a case as edges in turn, anticlockwise when seen from the positive side.
+    """Return the polygons of a case as sequences of edges, counter-clockwise seen from the positive side.
 
-    On each face, from every edge where one comes to a negative corner the outline goes to the edge where one leaves the
-    run of negative corners that begins there.
+    On each face, the outline connects every edge that enters a run of negative corners with the edge that leaves it.
     """
     following: dict[int, int] = {}
     for face in FACES:

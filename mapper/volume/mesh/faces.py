@@ -1,4 +1,4 @@
-"""The seen faces of a map's occupied voxels as rectangles, in chunks of 32³ voxels."""
+"""Visible faces of a map's occupied voxels as rectangles, in chunks of 32³ voxels."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from mapper.volume.occupancy.volume import OccupancyVolume
 __all__ = ["CENTRE", "CHUNK", "ChunkKey", "FaceRule", "VoxelFaces", "face_rule", "triangles_of"]
 
 NONE_PAINTED = (np.empty(0, dtype=np.int64), np.empty(0, dtype=np.uint8))
-_ROOM = 4096  #: rectangles for which there is room at first
-#: Of a rectangle's corners, counter-clockwise from outside: whether they lie at its far end along its two axes.
+_ROOM = 4096  #: initial capacity in rectangles
+#: For a rectangle's corners, counter-clockwise from outside: whether they are at its far end along its two axes.
 _CORNERS = {False: ((0, 0), (0, 1), (1, 1), (1, 0)), True: ((0, 0), (1, 0), (1, 1), (0, 1))}
 
 
@@ -29,11 +29,11 @@ def face_rule(
     volume: OccupancyVolume, low: ArrayLike, high: ArrayLike, *, base: float, band: float, colours: int,
     by_belief: bool = False, seen_only: bool = False,
 ) -> FaceRule:  # fmt: skip
-    """Return the rule that draws the occupied voxels whose centres are in a box from ``low`` to ``high`` (3,), metres.
+    """Return a rule that draws the occupied voxels with centres in a box from ``low`` to ``high`` (3,), metres.
 
-    A number is a height. Their colours are 1 … ``colours``: one for each ``band`` metres of height from ``base``, or,
-    if ``by_belief``, equal steps of the log-odds. With ``seen_only`` faces towards unknown voxels, which no sensor has
-    seen, are left out.
+    A single number is a height. Their colours are 1 to ``colours``: one for each ``band`` metres of height from
+    ``base`` or, if ``by_belief``, equal steps of the log-odds. With ``seen_only``, faces towards unknown voxels, which
+    no sensor has seen, are omitted.
     """
     config = volume.config
     resolution = config.resolution
@@ -58,10 +58,10 @@ def _key_of(voxel: Float64Array) -> tuple[int, int, int]:
 
 
 class VoxelFaces:
-    """The rectangles of a map: ``chunks`` has an array (n, 7) uint8 for each chunk with any, see :func:`merge_faces`.
+    """The rectangles of a map; ``chunks`` has an array (n, 7) uint8 for each non-empty chunk, see :func:`merge_faces`.
 
-    An array is replaced when its chunk has changed, and is the same object otherwise. ``voxels`` is the number of drawn
-    voxels of each of these chunks.
+    The array of a changed chunk is replaced; otherwise it is the same object. ``voxels`` is the number of drawn voxels
+    of each of these chunks.
     """
 
     def __init__(self) -> None:
@@ -79,11 +79,10 @@ class VoxelFaces:
         may_continue: Callable[[], bool] = lambda: True,
         painted: Painted | None = None,
     ) -> list[ChunkKey]:
-        """Make the rectangles of ``chunks`` again and return the chunks in which they changed.
+        """Recompute the rectangles of ``chunks`` and return the chunks in which they changed.
 
-        With ``painted`` its colours take the place of the rule's, and 1 where it has none.
-
-        Raises :class:`WorkCancelledError` between two chunks unless ``may_continue``; those before are made then.
+        ``painted`` replaces the rule's colours; voxels that it does not cover have colour 1. Raises
+        :class:`WorkCancelledError` between two chunks unless ``may_continue``; the chunks before are then complete.
         """
         changed = []
         for key in chunks:
@@ -114,7 +113,7 @@ class VoxelFaces:
         return True
 
     def _paint(self, voxels: Int64Array, colours: UInt8Array) -> None:
-        """Give the voxels of the chunk that are drawn other colours."""
+        """Replace the colours of the chunk's drawn voxels."""
         inner = self._colours[1:-1, 1:-1, 1:-1]
         values = np.ones(inner.size, dtype=np.uint8)
         values[voxels] = colours
@@ -122,17 +121,17 @@ class VoxelFaces:
         inner[drawn] = values.reshape(inner.shape)[drawn]
 
     def clear(self) -> None:
-        """Forget all chunks."""
+        """Remove all chunks."""
         self.chunks.clear()
         self.voxels.clear()
 
 
 def chunks_of(volume: OccupancyVolume, slots: Int32Array | None = None) -> list[ChunkKey]:
-    """Return the chunks whose faces depend on blocks: on those of the ``slots`` (n,), else on all of the map."""
+    """Return the chunks whose faces depend on the blocks ``slots`` (n,), or on any block of the map."""
     corners = volume.blocks.corners if slots is None else volume.blocks.corners[slots]
     if not len(corners):
         return []
-    # A face is seen or not by the voxel beside it, which may lie in the next chunk.
+    # The visibility of a face depends on the adjacent voxel, which may be in the next chunk.
     low, high = (corners - 1) // CHUNK, (corners + BLOCK) // CHUNK
     ends = np.stack([low, high])
     numbers = np.arange(8)
@@ -143,7 +142,8 @@ def chunks_of(volume: OccupancyVolume, slots: Int32Array | None = None) -> list[
 
 
 def triangles_of(quads: UInt8Array) -> tuple[UInt8Array, UInt32Array]:
-    """Return the corners (4 n, 3) of rectangles (n, 7), voxels from the chunk's corner, and triangles (2 n, 3) of them.
+    """Return the corners (4 n, 3) of rectangles (n, 7), in voxels from the chunk's corner, and their triangles (2 n,
+    3).
 
     The triangles are counter-clockwise seen from outside.
     """
@@ -167,9 +167,9 @@ def triangles_of(quads: UInt8Array) -> tuple[UInt8Array, UInt32Array]:
 def first_face(
     volume: OccupancyVolume, rule: FaceRule, origin: ArrayLike, direction: ArrayLike
 ) -> tuple[int, int, int] | None:
-    """Return the key of the voxel whose drawn face a ray from ``origin`` (3,) along ``direction`` (3,) meets first.
+    """Return the key of the voxel whose drawn face a ray from ``origin`` (3,) along ``direction`` (3,) hits first.
 
-    Metres; None where there is none. A face that the rule leaves out does not stop the ray.
+    Metres; None if there is none. Faces omitted by the rule do not stop the ray.
     """
     corners = volume.blocks.corners
     away = np.asarray(direction, dtype=np.float64)
@@ -183,7 +183,7 @@ def first_face(
     begin, end = max(float(ends[0].max()), 0.0), float(ends[1].min())
     if not begin < end:
         return None
-    # The ray's places halfway between two borders of voxels, each in a voxel of its own.
+    # The ray's positions halfway between two voxel borders, each in a different voxel.
     borders = [np.array([begin, end])]
     for axis in range(3):
         if away[axis] != 0.0:
@@ -208,7 +208,7 @@ _NORMALS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [
 
 
 def voxel_mesh(volume: OccupancyVolume) -> Mesh:
-    """Return the faces of occupied voxels towards others, neighbouring ones merged to rectangles of two triangles.
+    """Return the faces between occupied and other voxels, merged into rectangles of two triangles each.
 
     Each rectangle has four vertices of its own with the normal of its side.
     """

@@ -1,4 +1,4 @@
-"""Meshes in files: PLY, and glTF 2.0 as one binary file.
+"""Mesh files: PLY, and glTF 2.0 as one binary file.
 
 Source: Greg Turk's description of PLY (1994); Khronos, glTF 2.0 Specification, sections 3.7 (meshes) and 4 (GLB).
 """
@@ -18,15 +18,15 @@ from mapper.core.errors import ConfigError
 from mapper.volume.mesh.mesh import Mesh
 
 ENDINGS = (".ply", ".glb")
-_FLOAT, _UINT32, _ARRAY, _ELEMENTS = 5126, 5125, 34962, 34963  # glTF's names of types and of buffers
-# glTF has y up and z towards the viewer: a quarter turn about x brings our z up.
+_FLOAT, _UINT32, _ARRAY, _ELEMENTS = 5126, 5125, 34962, 34963  # glTF's codes of types and buffers
+# glTF has y up and z towards the viewer: a quarter turn about x maps our z to up.
 _Z_UP_TO_Y_UP = (-0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
 def ply_bytes(mesh: Mesh, offset: Float64Array | None = None) -> bytes:
     """Return a mesh as a binary PLY file: vertices with normals, float32, and faces of three int32.
 
-    ``offset`` (3,) is a comment: what is added to the vertices is in the coordinates of the file that was mapped.
+    ``offset`` (3,) is written as a comment; adding it to the vertices yields the coordinates of the mapped file.
     """
     moved = "" if offset is None or not offset.any() else f"comment offset {' '.join(map(repr, offset.tolist()))}\n"
     header = (
@@ -44,9 +44,8 @@ def ply_bytes(mesh: Mesh, offset: Float64Array | None = None) -> bytes:
 def glb_bytes(mesh: Mesh, offset: Float64Array | None = None) -> bytes:
     """Return a mesh as a binary glTF file with one grey material.
 
-    Coordinates are those of the map, in a node that turns z up to glTF's y up; ``offset``, as in :func:`ply_bytes`, is
-    in the node's extras. Raises :class:`ConfigError` for a mesh
-    without triangles, which glTF has no form for.
+    Coordinates are those of the map, in a node that rotates z up to glTF's y up; ``offset``, as in :func:`ply_bytes`,
+    is in the node's extras. Raises :class:`ConfigError` for a mesh without triangles, which glTF cannot represent.
     """
     if not len(mesh.triangles):
         raise ConfigError("mesh.empty", "A GLB file cannot hold a mesh without triangles.")
@@ -95,7 +94,7 @@ def glb_bytes(mesh: Mesh, offset: Float64Array | None = None) -> bytes:
 
 
 def write_mesh(mesh: Mesh, path: str | os.PathLike[str], offset: Float64Array | None = None) -> None:
-    """Write a mesh as the ending of ``path`` says, .ply or .glb. Raises :class:`ConfigError` for another one."""
+    """Write a mesh in the format of the file name's extension, .ply or .glb. Raises :class:`ConfigError` for others."""
     target = Path(path)
     if target.suffix not in ENDINGS:
         raise ConfigError("mesh.ending", f"A mesh is written as {' or '.join(ENDINGS)}, not as {target.name!r:.80}.")

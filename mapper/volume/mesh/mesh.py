@@ -1,4 +1,4 @@
-"""A mesh of triangles."""
+"""Triangle mesh."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from mapper.core.errors import ConfigError
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """``vertices`` (n, 3), metres in the map's frame, ``normals`` (n, 3) there, ``triangles`` (m, 3) of their numbers.
+    """``vertices`` (n, 3), metres in the map's frame, their ``normals`` (n, 3), and ``triangles`` (m, 3) of vertex
+    indices.
 
-    The corners of a triangle are anticlockwise when seen from the side that normals point to. Raises
+    The corners of a triangle are counter-clockwise seen from the side to which the normals point. Raises
     :class:`ConfigError` for arrays of other shapes.
     """
 
@@ -33,6 +34,6 @@ class Mesh:
 
     @property
     def area(self) -> float:
-        """The sum of the areas of the triangles, m²."""
+        """Total area of the triangles, m²."""
         a, b, c = (self.vertices[self.triangles[:, k]].astype(np.float64) for k in range(3))
         return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())

@@ -1,4 +1,4 @@
-"""The surface of a map of truncated signed distances as triangles, of all its blocks or of some."""
+"""Surface of a map of truncated signed distances as triangles, for all or some of its blocks."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from mapper.volume.mesh.cube_cases import cube_tables
 from mapper.volume.mesh.mesh import Mesh
 from mapper.volume.surface.tsdf import TsdfVolume
 
-_SHARE = 64  # blocks from which a second thread is worth its start
+_SHARE = 64  # blocks above which a second thread is worthwhile
 
 
 def surface_mesh(volume: TsdfVolume, slots: Int32Array | None = None, *, least_weight: float = 0.0) -> Mesh:
-    """Return the surface where the distance is 0, by marching cubes; vertices are shared by their triangles.
+    """Return the zero level set of the distances by marching cubes, with shared vertices.
 
-    A cell has triangles where its eight voxels are known, with a weight of at least ``least_weight``. Only the cells
-    whose first voxels are in the blocks ``slots`` (n,) are meshed, all different, or all cells.
+    A cell has triangles if its eight voxels are known, with a weight of at least ``least_weight``. Meshed are the cells
+    with their first voxel in the blocks ``slots`` (n,), all distinct, or all cells.
     """
     return _meshed(volume, slots, least_weight)[0]
 
 
 def surface_of_groups(volume: TsdfVolume, groups: Sequence[Int32Array]) -> tuple[Mesh, Int64Array]:
-    """Return the surface of groups of blocks (g), and where the triangles of each end (g,); no block is in two."""
+    """Return the surface of disjoint groups of blocks (g), and the end of each group's triangles (g,)."""
     whole, starts = _meshed(volume, np.concatenate([np.empty(0, np.int32), *groups]), 0.0)
     return whole, starts[np.cumsum([len(group) for group in groups], dtype=np.int64)]
 
 
 def _meshed(volume: TsdfVolume, slots: Int32Array | None, least_weight: float) -> tuple[Mesh, Int64Array]:
-    """Return the mesh of ``slots``, None for all, and of each block the number of triangles before it, (n + 1,)."""
+    """Return the mesh of ``slots``, None for all, and for each block the number of triangles before it, (n + 1,)."""
     tables, count = cube_tables(), volume.blocks.count
     distances, weights = volume.distances.reshape(-1, BLOCK**3), volume.weights.reshape(-1, BLOCK**3)
     least = np.float32(max(least_weight, float(np.finfo(np.float32).tiny)))
@@ -110,14 +110,14 @@ def _neighbours(volume: TsdfVolume, slots: Int32Array, low: int) -> Int32Array:
 
 
 def _among(slots: Int32Array, count: int) -> Int32Array:
-    """Return the slots that occur in an array, ascending; −1 is none."""
+    """Return the distinct slots in an array, ascending, without −1."""
     is_among = np.zeros(count + 1, dtype=np.bool_)
     is_among[slots.reshape(-1)] = True
     return np.flatnonzero(is_among[:-1]).astype(np.int32)
 
 
 def _starts(counts: Int32Array) -> Int64Array:
-    """Return the sums (n + 1,) of the counts (n,) before each, and of all."""
+    """Return the exclusive cumulative sum (n + 1,) of counts (n,), with the total last."""
     return np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts, dtype=np.int64)])
 
 

@@ -1,4 +1,4 @@
-"""The mesh of a surface in chunks of 32³ voxels, of which only those that changed are made again."""
+"""Mesh of a surface in chunks of 32³ voxels, of which only changed ones are recomputed."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from mapper.volume.mesh.chunk_mesh import ChunkMesh, chunk_meshes
 from mapper.volume.mesh.meshing import blocks_of_change, surface_of_groups
 from mapper.volume.surface.tsdf import TsdfVolume
 
-_AT_ONCE = 128  #: chunks that are meshed together
+_AT_ONCE = 128  #: chunks meshed together
 ChunkKey = tuple[int, int, int]  #: the key of a chunk's first voxel, divided by 32
 
 
 class SurfaceChunks:
-    """The meshes of the chunks that have triangles; an object is replaced when its chunk has changed.
+    """The meshes of the non-empty chunks; the object of a changed chunk is replaced.
 
-    :meth:`note_change` says what changed, :meth:`work` makes it again.
+    :meth:`note_change` records changes, and :meth:`work` recomputes the meshes.
     """
 
     def __init__(self) -> None:
@@ -29,23 +29,23 @@ class SurfaceChunks:
 
     @property
     def pending(self) -> int:
-        """Number of chunks to be computed again."""
+        """Number of chunks to be recomputed."""
         return len(self._pending)
 
     @property
     def n_triangles(self) -> int:
-        """Triangles of all chunks."""
+        """Total number of triangles."""
         return sum(len(chunk.triangles) for chunk in self.chunks.values())
 
     def note_change(self, volume: TsdfVolume, slots: Int32Array | None) -> None:
-        """Note that blocks (n,) have changed, None for all of them."""
+        """Record that blocks (n,) have changed, None for all."""
         if slots is None:
             self._pending = {*_codes_of_blocks(volume).tolist(), *map(_code, self.chunks)}
         elif len(slots):
             self._pending |= set(np.unique(_codes_of_blocks(volume)[blocks_of_change(volume, slots)]).tolist())
 
     def work(self, volume: TsdfVolume, is_over: Callable[[], bool] = lambda: False) -> None:
-        """Make the pending chunks again, until ``is_over`` after some of them."""
+        """Recompute pending chunks until ``is_over`` returns true."""
         if not self._pending:
             return
         codes = _codes_of_blocks(volume)
@@ -74,11 +74,11 @@ class SurfaceChunks:
             self.chunks[key] = chunk
 
 
-_BITS = 11  # of one coordinate of a chunk
+_BITS = 11  # per coordinate of a chunk
 
 
 def _codes_of_blocks(volume: TsdfVolume) -> Int64Array:
-    """Return the number (n,) of the chunk of each block: z y x in its bits."""
+    """Return the chunk code (n,) of each block: z, y and x packed in bits."""
     x, y, z = (volume.blocks.corners // CHUNK).T
     codes: Int64Array = (z << 2 * _BITS) | (y << _BITS) | x
     return codes

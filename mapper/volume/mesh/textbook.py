@@ -1,4 +1,4 @@
-"""Marching cubes as the paper describes it, one cell after the other, and parts of a mesh with the light on them.
+"""Marching cubes as in the paper, cell by cell, and conversion and lighting of mesh parts.
 
 Source: Lorensen & Cline, Marching cubes: a high resolution 3D surface construction algorithm, SIGGRAPH 1987; the
 polygons of a cell are those of :func:`mapper.volume.mesh.cube_cases.polygons`.
@@ -66,7 +66,7 @@ def vertex_between(distances: Float32Array, known: np.ndarray, a: Index, b: Inde
 
 
 def gradient(distances: Float32Array, known: np.ndarray, at: Index) -> Float64Array:
-    """Return the differences (3,) a voxel at one: central, or to the one neighbour that is known, or 0."""
+    """Return the gradient (3,) per voxel: central differences, or one-sided ones towards a known neighbour, or 0."""
     out = np.zeros(3)
     for axis in range(3):
         step = np.eye(3, dtype=int)[axis]
@@ -89,9 +89,9 @@ def gradient(distances: Float32Array, known: np.ndarray, at: Index) -> Float64Ar
 def part_of_mesh(
     mesh: Mesh, triangles: NDArray[np.signedinteger[Any]], first: Float64Array, resolution: float, steps: int
 ) -> tuple[UInt16Array, Int8Array, NDArray[np.int64]]:
-    """Return the places (n, 3), normals (n, 3) and triangles (m, 3) of a part of a mesh, in the order of their use.
+    """Return the positions (n, 3), normals (n, 3) and triangles (m, 3) of a part of a mesh, in order of use.
 
-    Places are whole numbers of ``steps`` in a voxel from ``first`` (3,), voxels; normals are multiplied by 127.
+    Positions are integers, ``steps`` per voxel, from ``first`` (3,), voxels; normals are multiplied by 127.
     """
     vertices, begin, number = np.unique(triangles, return_index=True, return_inverse=True)
     order = np.argsort(begin)
@@ -103,17 +103,18 @@ def part_of_mesh(
 
 
 def linear_of(colors: UInt8Array) -> Float64Array:
-    """Return sRGB colours as linear ones, 0 to 1, each of the 256 values by itself. Source: IEC 61966-2-1."""
+    """Convert sRGB colours to linear ones, 0 to 1, for each of the 256 values. Source: IEC 61966-2-1."""
     values = [k / 255.0 for k in range(256)]
     return np.array([v / 12.92 if v <= 0.04045 else math.pow((v + 0.055) / 1.055, 2.4) for v in values])[colors]
 
 
 def shaded(colors: UInt8Array, normals: Int8Array, light: Float32Array) -> UInt8Array:
-    """Return colours (n, 3), sRGB, as those (n, 4) of a surface with ``normals`` (n, 3), linear RGB and alpha.
+    """Apply lighting to the colours (n, 3), sRGB, of a surface with ``normals`` (n, 3); return (n, 4) linear RGB and
+    alpha.
 
-    ``light`` (6,) is that of faces towards −x, +x, −y, +y, −z, +z, between which the light is the mean weighted by the
-    squares of the normal's coordinates, to the power of 2.2, since equal steps of the sRGB value look equal. Source:
-    McTaggart, Half-Life 2 / Valve Source Shading, GDC 2004 (ambient cube).
+    ``light`` (6,) is that of faces towards −x, +x, −y, +y, −z, +z. In between it is the mean weighted by the squares of
+    the normal's components, to the power of 2.2, because equal steps of the sRGB value look equal. Source: McTaggart,
+    Half-Life 2 / Valve Source Shading, GDC 2004 (ambient cube).
     """
     away = normals.astype(np.float32)
     squares = away * away

@@ -1,4 +1,4 @@
-"""The commonest class of the points in each voxel, in the chunks in which voxels are drawn."""
+"""Most common class of the points in each voxel, by chunks of drawn voxels."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.occupancy.volume import keys_of
 
 ChunkKey = tuple[int, int, int]  #: the key of a chunk's first voxel, divided by 32
-#: Of a chunk, the numbers (n,) of voxels, (z · 32 + y) · 32 + x, and their colours (n,).
+#: For one chunk, the voxel indices (n,), (z · 32 + y) · 32 + x, and their colours (n,).
 Painted = Mapping[ChunkKey, tuple[Int64Array, UInt8Array]]
 
 
 def voxel_classes(points: NDArray[np.float32], classes: NDArray[Any], resolution: float, most: int) -> Painted:
-    """Return for the voxels of points (n, 3), metres, their points' commonest class, as colours 1 + class.
+    """Return the most common class of the points (n, 3), metres, in each voxel, as colours 1 + class.
 
-    Of two that are equally common it is the lower one. ``classes`` (n,) are whole numbers; those from ``most`` on count
-    as ``most`` − 1, negative ones as 0. Points outside the lattice are left out.
+    Of two equally common classes the lower one is used. ``classes`` (n,) are integers; those of ``most`` or more count
+    as ``most`` − 1, negative ones as 0. Points outside the lattice are ignored.
     """
     keys, inside = keys_of(np.ascontiguousarray(points, dtype=np.float32), resolution)
     keys = keys[inside]
@@ -31,7 +31,7 @@ def voxel_classes(points: NDArray[np.float32], classes: NDArray[Any], resolution
     codes = chunk_codes * CHUNK**3 + (places[:, 2] * CHUNK + places[:, 1]) * CHUNK + places[:, 0]
     both, counts = np.unique(codes * most + kinds, return_counts=True)
     voxels = both // most
-    order = np.lexsort((both % most, -counts, voxels))  # the commonest of each voxel first
+    order = np.lexsort((both % most, -counts, voxels))  # the most common of each voxel first
     voxels, class_of_voxel = voxels[order], (both % most)[order]
     voxels, first = np.unique(voxels, return_index=True)
     colours = (1 + class_of_voxel[first]).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Surface normals at occupied voxels, from the occupied voxels around them."""
+"""Surface normals at occupied voxels, estimated from the occupied voxels around them."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.mesh.voxel_classes import ChunkKey, Painted
 from mapper.volume.occupancy.volume import OccupancyVolume
 
-REACH = 2  #: voxels around a voxel whose plane its normal is perpendicular to
-STEPS = 8  #: of the square of each component, in which directions are told apart
+REACH = 2  #: radius, in voxels, of the neighbourhood to which a plane is fitted
+STEPS = 8  #: quantisation steps of the square of each component
 _SIDE = 2 * REACH + 1
 _AROUND = np.stack(np.meshgrid(*[np.arange(-REACH, REACH + 1.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
 _PRODUCTS = np.column_stack([np.ones(len(_AROUND)), _AROUND] + [_AROUND[:, [k]] * _AROUND for k in range(3)])
 
 
 def voxel_normals(volume: OccupancyVolume, chunk: ChunkKey) -> tuple[Int64Array, Float64Array]:
-    """Return the numbers (n,) of a chunk's occupied voxels, (z · 32 + y) · 32 + x, and their normals (n, 3).
+    """Return the indices (n,) of a chunk's occupied voxels, (z · 32 + y) · 32 + x, and their normals (n, 3).
 
-    A normal is a unit vector in the map's frame: the direction in which the centres of the occupied voxels within two
-    voxels along each axis have the least variance. Its sign is that of Σ d · n over the offsets d of the free voxels
-    among them, so that it points to free space; upwards where the sum is 0. Source of the direction: principal
-    components of neighbours, Hoppe et al., Surface reconstruction from unorganized points, SIGGRAPH 1992.
+    A normal is a unit vector in the map's frame: the direction of least variance of the centres of the occupied voxels
+    within two voxels along each axis. Its sign is that of Σ d · n over the offsets d of the free voxels among them, so
+    that it points to free space, or upwards if the sum is 0. Source of the direction: principal components of
+    neighbours, Hoppe et al., Surface reconstruction from unorganized points, SIGGRAPH 1992.
     """
     places = np.arange(-REACH, CHUNK + REACH)
     keys = np.stack(np.meshgrid(*[CHUNK * k + places for k in chunk], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -48,13 +48,13 @@ def voxel_normals(volume: OccupancyVolume, chunk: ChunkKey) -> tuple[Int64Array,
 
 
 def painted_directions(volume: OccupancyVolume, chunk: ChunkKey) -> Painted:
-    """Return the directions that the occupied voxels of a chunk face, as the colours of :class:`VoxelFaces`."""
+    """Return the normal directions of a chunk's occupied voxels, as the colours of :class:`VoxelFaces`."""
     numbers, normals = voxel_normals(volume, chunk)
     return {chunk: (numbers, direction_numbers(normals))}
 
 
 def direction_numbers(normals: Float64Array) -> UInt8Array:
-    """Return the number 1 … of the direction of each of ``normals`` (n, 3), among those of :func:`directions`."""
+    """Return the index, from 1, of the direction of each of ``normals`` (n, 3) in :func:`directions`."""
     squares = normals**2
     squares = squares / np.maximum(squares.sum(axis=1, keepdims=True), 1e-12)
     i = np.round(STEPS * squares[:, 0]).astype(np.int64)
@@ -63,9 +63,9 @@ def direction_numbers(normals: Float64Array) -> UInt8Array:
 
 
 def directions() -> NDArray[np.float64]:
-    """Return the direction (n, 3) of each number of :func:`direction_numbers`, the first of which is 1.
+    """Return the direction (n, 3) of each index of :func:`direction_numbers`, the first of which is 1.
 
-    Directions that differ in the signs of x and y only have one number.
+    Directions that differ only in the signs of x and y share an index.
     """
     i, j, up = np.meshgrid(np.arange(STEPS + 1), np.arange(STEPS + 1), np.arange(2), indexing="ij")
     z = np.maximum(STEPS - i - j, 0)

@@ -1,1 +1,1 @@
-"""Log-odds of occupancy in blocks of voxels, and what is asked of such a map."""
+"""Log-odds of occupancy in blocks of voxels, and queries of such maps."""

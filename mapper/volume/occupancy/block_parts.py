@@ -1,4 +1,4 @@
-"""The log-odds of blocks of 8³ voxels, kept only for those parts of 2 × 2 × 8 voxels in which some are known."""
+"""Log-odds of blocks of 8³ voxels, stored only for parts of 2 × 2 × 8 voxels with known voxels."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _SHAPE = (2, 2, BLOCK)  # of a part, z y x
 
 
 class BlockParts:
-    """Where the log-odds of voxels are: ``numbers`` (slots, 16) names the parts of a block among ``values``.
+    """Storage of the voxels' log-odds: ``numbers`` (slots, 16) are the indices of a block's parts in ``values``.
 
-    ``values`` (parts, 2, 2, 8) are float32, z y x, NaN where unknown. Part (z, y) of a block, of four along each axis,
-    is number 4 z + y of its row; part 0 of all is unknown and stands for those that a block does not have. Both arrays
-    have room for more than ``count`` parts and the owner's blocks.
+    ``values`` (parts, 2, 2, 8) are float32, z y x, NaN if unknown. Part (z, y) of a block, four along each axis, is
+    entry 4 z + y of its row. Part 0 is all unknown and stands for missing parts. Both arrays have room for more than
+    ``count`` parts and the owner's blocks.
     """
 
     def __init__(self) -> None:
@@ -27,21 +27,23 @@ class BlockParts:
 
     @property
     def known_values(self) -> Float32Array:
-        """The log-odds (n, 2, 2, 8) of all parts that blocks have."""
+        """The log-odds (n, 2, 2, 8) of all allocated parts."""
         return self.values[1 : self.count]
 
     def n_bytes(self, blocks: int) -> int:
-        """Bytes of the log-odds of that many blocks, and of the numbers of their parts."""
+        """Bytes of the log-odds of this number of blocks, and of their part indices."""
         return self.count * self.values[:1].nbytes + blocks * self.numbers.itemsize * PARTS
 
     def reserve(self, capacity: int, used: int) -> None:
-        """Make room for ``capacity`` blocks, of which the first ``used`` keep their parts and the others have none."""
+        """Make room for ``capacity`` blocks; the first ``used`` keep their parts and the others have none."""
         numbers = np.zeros((capacity, PARTS), dtype=np.int32)
         numbers[:used] = self.numbers[:used]
         self.numbers = numbers
 
     def add(self, slots: Int32Array, wanted: UInt16Array) -> None:
-        """Give blocks the parts that are bits of ``wanted`` (n,), new ones unknown; ``slots`` (n,) all differ."""
+        """Allocate for blocks the parts that are bits of ``wanted`` (n,), new ones unknown; ``slots`` (n,) are
+        distinct.
+        """
         before = self.count
         self.count += add_parts(self.numbers, slots, wanted, before)
         if self.count > len(self.values):
@@ -51,12 +53,12 @@ class BlockParts:
         self.values[before : self.count] = np.nan
 
     def blocks(self, slots: Int32Array | Int64Array | slice) -> Float32Array:
-        """Return a copy of the log-odds (n, 8, 8, 8), z y x, of blocks by their slots."""
+        """Return a copy of the log-odds (n, 8, 8, 8), z y x, of blocks by slot."""
         rows = self.values[self.numbers[slots]].reshape(-1, 4, 4, *_SHAPE)
         return rows.transpose(0, 1, 3, 2, 4, 5).reshape(-1, BLOCK, BLOCK, BLOCK)
 
     def set_blocks(self, slots: Int32Array, values: Float32Array) -> None:
-        """Give the voxels (n, 8, 8, 8) of blocks these log-odds; ``slots`` (n,) all differ."""
+        """Set the log-odds of the voxels (n, 8, 8, 8) of blocks; ``slots`` (n,) are distinct."""
         rows = values.reshape(-1, 4, 2, 4, 2, BLOCK).transpose(0, 1, 3, 2, 4, 5).reshape(-1, PARTS, *_SHAPE)
         known = ~np.isnan(rows).all(axis=(2, 3, 4))
         self.add(slots, (known * (1 << np.arange(PARTS))).sum(axis=1).astype(np.uint16))

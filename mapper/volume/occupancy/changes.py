@@ -13,10 +13,10 @@ from mapper.volume.occupancy.volume import OccupancyVolume
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """Voxels by their keys (n, 3) that are known in both maps and changed their state, and numbers of the others.
+    """Keys (n, 3) of the voxels that are known in both maps and changed their state, and counts of the others.
 
     ``appeared`` are occupied in the second map only, ``vanished`` in the first only. ``same`` is the number of voxels
-    with one state in both, ``only_first`` and ``only_second`` the numbers of those that one map knows.
+    with equal states in both, ``only_first`` and ``only_second`` the numbers of voxels known in one map only.
     """
 
     appeared: Int64Array
@@ -27,7 +27,7 @@ class Changes:
 
 
 def changes_between(first: OccupancyVolume, second: OccupancyVolume) -> Changes:
-    """Compare two maps. Raises :class:`ConfigError` where their voxels are not of one size."""
+    """Compare two maps. Raises :class:`ConfigError` if their voxel sizes differ."""
     if first.config.resolution != second.config.resolution:
         raise ConfigError(
             "volume.resolutions",

@@ -1,4 +1,4 @@
-"""The table of parameters of occupancy in three dimensions, with OctoMap's defaults.
+"""Table of parameters of 3D occupancy, with OctoMap's defaults.
 
 Source: Hornung, Wurm, Bennewitz, Stachniss & Burgard, OctoMap: an efficient probabilistic 3D mapping framework based on
 octrees, Autonomous Robots 34, 2013, section 3; the defaults are those of the class OcTree.
@@ -66,32 +66,32 @@ class VolumeConfig:
 
     @property
     def log_odds_hit(self) -> np.float32:
-        """Log-odds that a beam's end adds."""
+        """Log-odds added by a beam's end."""
         return log_odds(self.p_hit)
 
     @property
     def log_odds_miss(self) -> np.float32:
-        """Log-odds that a passing beam adds."""
+        """Log-odds added by a passing beam."""
         return log_odds(self.p_miss)
 
     @property
     def log_odds_min(self) -> np.float32:
-        """Least log-odds of a voxel."""
+        """Minimum log-odds of a voxel."""
         return log_odds(self.p_min)
 
     @property
     def log_odds_max(self) -> np.float32:
-        """Greatest log-odds of a voxel."""
+        """Maximum log-odds of a voxel."""
         return log_odds(self.p_max)
 
     @property
     def log_odds_occupied(self) -> np.float32:
-        """Log-odds from which a voxel is occupied."""
+        """Log-odds at and above which a voxel is occupied."""
         return log_odds(self.p_occupied)
 
 
 def log_odds(p: float) -> np.float32:
-    """Return log(p / (1 − p)) as float32, which OctoMap stores."""
+    """Return log(p / (1 − p)) as float32, as stored by OctoMap."""
     return np.float32(math.log(p / (1.0 - p)))
 
 

@@ -1,4 +1,4 @@
-"""Updates of one voxel by each scan, beam by beam."""
+"""Updates of one voxel by each scan, with their beams."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from mapper.volume.occupancy.parameters import VolumeConfig
 from mapper.volume.occupancy.volume import FORGET_BELOW, OccupancyVolume, centres_of, keys_of
 from mapper.volume.placed_scan import PlacedScan
 
-MOST_BEAMS = 64  #: of a scan whose ends are given
+MOST_BEAMS = 64  #: maximum number of a scan's beam ends returned
 
 
 @dataclass(frozen=True, slots=True)
 class VoxelUpdate:
-    """Update of a voxel by scan number ``scan``, from 0.
+    """Update of a voxel by scan ``scan``, counted from 0.
 
-    ``is_hit`` says whether a beam ended in it; otherwise ``beams`` of them passed it, or at least that many where there
-    are more than :data:`MOST_BEAMS`. The log-odds were ``before``, after the decay until then, NaN where unknown, and
-    are ``after``. ``origin`` (3,) is the place of the sensor, None where it is not known, and ``ends`` (beams, 3) are
-    the ends of the beams, metres.
+    ``is_hit`` means that a beam ended in it; otherwise ``beams`` of them passed it, or at least that many if there are
+    more than :data:`MOST_BEAMS`. ``before`` and ``after`` are the log-odds, ``before`` including the decay until then
+    and NaN if unknown. ``origin`` (3,) is the sensor position, None if unknown, and ``ends`` (beams, 3) are the ends of
+    the beams, metres.
     """
 
     scan: int
@@ -44,7 +44,7 @@ def why_voxel(
     key: Int64Array,
     may_continue: Callable[[], bool] = lambda: True,
 ) -> list[VoxelUpdate]:
-    """Return what ``scans``, in their order, did to the voxel of ``key`` (3,); scans that did nothing are left out.
+    """Return the effect of ``scans``, in order, on the voxel with ``key`` (3,), omitting scans without effect.
 
     The last log-odds are those of the map of these scans, unless it has decayed since. Raises
     :class:`WorkCancelledError` between two scans unless ``may_continue``.
@@ -83,7 +83,7 @@ def _beams(
     points = np.ascontiguousarray(scan.points, dtype=np.float32)
     rays, keys, hits, _ = volume.rays_of(points, start)
     if (hits == key).all(axis=1).any():
-        # A scan's beams may be those to the centres of voxels: what ended here are its points.
+        # A scan's beams may be those to voxel centres, but the ends in this voxel are the scan's points.
         point_keys, inside = keys_of(points, resolution)
         ended = points[inside & (point_keys == key).all(axis=1)]
         return True, len(ended), ended[:MOST_BEAMS]
@@ -103,7 +103,7 @@ def _beams(
         mark_rays(start, rays[some], first, keys[some], resolution, box, marks)
         return bool(marks[at])
 
-    # At first all at once: of most scans no beam passes the voxel.
+    # First all at once, because for most scans no beam passes the voxel.
     if not passes(slice(None)):
         return None
     passing = []
@@ -116,7 +116,7 @@ def _beams(
 
 
 def _near(start: Float32Array, ends: Float32Array, place: Float32Array, resolution: float) -> Int64Array:
-    """Return the numbers (m,) of the beams that come nearer to the voxel's centre than its corners are."""
+    """Return the indices (m,) of the beams that pass the voxel's centre more closely than its corners are."""
     away = ends.astype(np.float64) - start
     to = place.astype(np.float64) - start
     length = np.maximum((away * away).sum(axis=1), 1e-12)

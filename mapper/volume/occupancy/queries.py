@@ -1,4 +1,4 @@
-"""Queries of a map: rays, the nearest obstacle, the voxels of a box, and pictures from above."""
+"""Queries of a map: ray casts, nearest obstacle, voxels of a box, and views from above."""
 
 from __future__ import annotations
 
@@ -23,15 +23,13 @@ from mapper.volume.occupancy.volume import OccupancyVolume
 __all__ = ["HIT", "OUTSIDE", "TOO_FAR", "UNKNOWN", "Casts", "cast", "distance_to_obstacle", "project", "voxels_in_box"]
 
 _ALL_OF_A_ROW = np.uint64(0x0101010101010101)  # eight true bytes
-_SHARE = 1024  # rays or points from which a second thread is worth its start
+_SHARE = 1024  # rays or points above which a second thread is worthwhile
 
 
 @dataclass(frozen=True, slots=True)
 class Casts:
-    """Ends of rays: the ``keys`` (n, 3) of their last voxels, its centres ``points`` (n, 3) in metres, and why.
-
-    ``ends`` (n,) are :data:`HIT` (an occupied voxel), :data:`UNKNOWN`, :data:`TOO_FAR` or :data:`OUTSIDE` (the
-    lattice).
+    """Ends of rays: the ``keys`` (n, 3) of their last voxels, the centres ``points`` (n, 3) in metres, and the
+    reason.
     """
 
     keys: Int64Array
@@ -43,11 +41,11 @@ def cast(
     volume: OccupancyVolume, origins: ArrayLike, directions: ArrayLike, *, through_unknown: bool = True,
     range_max: float = 0.0,
 ) -> Casts:  # fmt: skip
-    """Follow rays from ``origins`` (n, 3) or (3,), metres, along ``directions`` (n, 3) of any length.
+    """Cast rays from ``origins`` (n, 3) or (3,), metres, along ``directions`` (n, 3) of any length.
 
-    Unless ``through_unknown`` a ray ends at the first voxel that is not known. A ``range_max`` of 0 is no limit; it is
-    measured to the centres of voxels. Source: octomap's castRay. Raises :class:`ConfigError` for values that are not
-    finite and directions whose length is 0 or not within float32.
+    Unless ``through_unknown``, a ray ends at the first unknown voxel. A ``range_max`` of 0 means no limit; ranges are
+    measured to voxel centres. Source: octomap's castRay. Raises :class:`ConfigError` for values that are not finite and
+    directions whose length is 0 or not within float32.
     """
     away = np.ascontiguousarray(np.atleast_2d(directions), dtype=np.float32)
     start = np.ascontiguousarray(np.broadcast_to(np.asarray(origins, dtype=np.float32), away.shape))
@@ -75,8 +73,8 @@ def cast(
 def distance_to_obstacle(volume: OccupancyVolume, points: ArrayLike, distance_max: float) -> Float64Array:
     """Return the distance (n,), metres, from points (n, 3) to the nearest centre of an occupied voxel.
 
-    It is infinite where there is none within ``distance_max`` metres. Raises :class:`ConfigError` for values that are
-    not finite.
+    It is infinite if there is none within ``distance_max`` metres. Raises :class:`ConfigError` for values that are not
+    finite.
     """
     places = np.atleast_2d(np.asarray(points, dtype=np.float64))
     if places.shape[1:] != (3,) or not np.isfinite(places).all() or not 0.0 <= distance_max < np.inf:
@@ -90,7 +88,7 @@ def distance_to_obstacle(volume: OccupancyVolume, points: ArrayLike, distance_ma
 
 
 def voxels_in_box(volume: OccupancyVolume, low: ArrayLike, high: ArrayLike) -> tuple[Int64Array, Float32Array]:
-    """Return the keys (n, 3) and log-odds (n,) of the known voxels whose centres lie in the box, metres (3,) each."""
+    """Return the keys (n, 3) and log-odds (n,) of the known voxels with centres in the box, metres (3,) each."""
     resolution = volume.config.resolution
     first = np.ceil(np.asarray(low, dtype=np.float64) / resolution - 0.5) + CENTRE
     last = np.floor(np.asarray(high, dtype=np.float64) / resolution - 0.5) + CENTRE
@@ -106,22 +104,22 @@ def voxels_in_box(volume: OccupancyVolume, low: ArrayLike, high: ArrayLike) -> t
 
 
 def project(volume: OccupancyVolume, low: float = -np.inf, high: float = np.inf) -> OccupancyGrid:
-    """Return the map from above of the voxels whose centres are ``low`` … ``high`` metres high.
+    """Return a 2D map of the voxels whose centres are at heights ``low`` … ``high``, metres.
 
-    A cell has the greatest log-odds of its column: it is occupied where any voxel is, and free where one is free and
-    none occupied. ``low`` = ``high`` is the slice of the voxels at that height. Raises :class:`ConfigError` for a band
-    without any known voxel and :class:`LimitError` for a map that is too wide.
+    A cell has the maximum log-odds of its column: it is occupied if any voxel is, and free if one is free and none
+    occupied. ``low`` = ``high`` selects the layer of voxels that contains that height. Raises :class:`ConfigError` for
+    a band without known voxels and :class:`LimitError` for a map that is too wide.
     """
     if not low <= high:
         raise ConfigError("volume.band", f"The bottom of the band must lie below its top, not {low:g} and {high:g} m.")
     resolution = volume.config.resolution
     a, b = np.clip((1.0 / resolution) * np.array([low, high]), -KEYS, KEYS)
-    # The slice at one height is of the voxels that hold it; a band has those whose centres it holds.
+    # A single height selects the voxels that contain it; a band selects those with centres in it.
     first, last = (np.floor(a), np.floor(a)) if low == high else (np.ceil(a - 0.5), np.floor(b - 0.5))
     first, last = int(first) + CENTRE, int(last) + CENTRE
     corners = volume.blocks.corners
     parts, values = volume.belief.parts[: len(corners)], volume.belief.values
-    rows = np.isnan(values).view(np.uint64)[..., 0] != _ALL_OF_A_ROW  # with a known voxel, of each part (2, 2)
+    rows = np.isnan(values).view(np.uint64)[..., 0] != _ALL_OF_A_ROW  # rows with a known voxel, of each part (2, 2)
     layers = (rows[:, :, 0] | rows[:, :, 1])[parts].reshape(-1, 4, 4, 2).any(axis=2).reshape(-1, BLOCK)
     levels = corners[:, 2, None] + np.arange(BLOCK)
     some = (layers & (levels >= first) & (levels <= last)).any(axis=1)

@@ -1,7 +1,7 @@
-"""Occupancy in three dimensions as the paper describes it: a dictionary of voxels, one beam and one voxel at a time.
+"""3D occupancy as in the paper: a dictionary of voxels, one beam and one voxel at a time.
 
-A voxel is named by its key (x, y, z), integers of 16 bits; key 32768 begins at coordinate 0. Numbers are of the types
-that OctoMap uses (float32 for points, float64 along a beam), so that ties are decided as there.
+A voxel is identified by its key (x, y, z), 16-bit integers; key 32768 starts at coordinate 0. Number types are
+OctoMap's (float32 for points, float64 along a beam), so that ties are resolved identically.
 
 Source: Hornung, Wurm, Bennewitz, Stachniss & Burgard, OctoMap: an efficient probabilistic 3D mapping framework based on
 octrees, Autonomous Robots 34, 2013; Amanatides & Woo, A fast voxel traversal algorithm for ray tracing, 1987.
@@ -20,8 +20,8 @@ from mapper.volume.kernels.types import FaceRule
 from mapper.volume.occupancy.parameters import VolumeConfig
 
 DEPTH = 16  #: levels below the root
-CENTRE = 1 << (DEPTH - 1)  #: key of the voxel that begins at coordinate 0
-FREE, HIT, UNKNOWN, TOO_FAR, OUTSIDE = range(5)  #: how a cast ray ends; FREE is never its end
+CENTRE = 1 << (DEPTH - 1)  #: key of the voxel that starts at coordinate 0
+FREE, HIT, UNKNOWN, TOO_FAR, OUTSIDE = range(5)  #: how a cast ray ends; FREE is never an end
 
 Key = tuple[int, int, int]
 Voxels = dict[Key, np.float32]
@@ -29,7 +29,7 @@ Point = Sequence[np.float32] | Float32Array
 
 
 def key_of(point: Point, resolution: float) -> Key | None:
-    """Return the key of the voxel that holds a point, None outside the 2¹⁶ voxels of an axis."""
+    """Return the key of the voxel that contains a point, None outside the 2¹⁶ voxels of an axis."""
     key = [math.floor((1.0 / resolution) * float(c)) + CENTRE for c in point]
     return (key[0], key[1], key[2]) if all(0 <= k < 2 * CENTRE for k in key) else None
 
@@ -40,7 +40,7 @@ def centre_of(key: Key, resolution: float) -> Float32Array:
 
 
 def norm(vector: Float32Array) -> float:
-    """Return the length of a vector (3,), whose squares are added in float32."""
+    """Return the length of a vector (3,), with squares summed in float32."""
     x, y, z = vector
     return math.sqrt(x * x + y * y + z * z)
 
@@ -48,7 +48,7 @@ def norm(vector: Float32Array) -> float:
 def crossings(
     origin: Float32Array, direction: Float32Array, key: Key, resolution: float
 ) -> tuple[list[int], list[float], list[float]]:
-    """Return of each axis the step, the distance to the first border and the distance between borders."""
+    """Return for each axis the step, the distance to the first border and the distance between borders."""
     steps, first, between = [0, 0, 0], [math.inf] * 3, [math.inf] * 3
     for axis in range(3):
         if direction[axis] != 0.0:
@@ -60,14 +60,14 @@ def crossings(
 
 
 def next_axis(t: Sequence[float]) -> int:
-    """Return the axis whose border comes first: of equal ones the last."""
+    """Return the axis of the nearest border; of equal ones the last."""
     if t[0] < t[1]:
         return 0 if t[0] < t[2] else 2
     return 1 if t[1] < t[2] else 2
 
 
 def ray_keys(origin: Float32Array, end: Float32Array, resolution: float) -> list[Key]:
-    """Return the voxels from ``origin`` (3,) to ``end`` (3,), without the one that holds the end."""
+    """Return the voxels from ``origin`` (3,) to ``end`` (3,), without the one that contains the end."""
     first, last = key_of(origin, resolution), key_of(end, resolution)
     if first is None or last is None or first == last:
         return []
@@ -80,16 +80,13 @@ def ray_keys(origin: Float32Array, end: Float32Array, resolution: float) -> list
         axis = next_axis(t)
         key[axis] += steps[axis]
         t[axis] += between[axis]
-        if tuple(key) == last or min(t) > float(length):  # rounding may pass the last voxel by
+        if tuple(key) == last or min(t) > float(length):  # rounding may miss the last voxel
             return keys
         keys.append((key[0], key[1], key[2]))
 
 
 def seen_voxels(points: Float32Array, origin: Float32Array, config: VolumeConfig) -> tuple[set[Key], set[Key]]:
-    """Return the voxels that a scan sees free and occupied: each once, and occupied where it is both.
-
-    ``points`` (n, 3) and ``origin`` (3,) are in the frame of the map.
-    """
+    """Return the voxels that a scan observes as free and as occupied, each once; occupied if both."""
     resolution = config.resolution
     if config.discretise:
         keys = {key_of(point, resolution) for point in points}
@@ -119,7 +116,7 @@ def insert_scan(voxels: Voxels, points: Float32Array, origin: Float32Array, conf
 
 
 def decay(voxels: Voxels, factor: np.float32, forget_below: np.float32) -> None:
-    """Multiply all log-odds by ``factor``, and forget the voxels whose log-odds are then nearer to 0 than a limit."""
+    """Multiply all log-odds by ``factor``, and remove the voxels whose log-odds are then nearer to 0 than a limit."""
     for key in list(voxels):
         voxels[key] *= factor
         if abs(voxels[key]) < forget_below:
@@ -132,7 +129,7 @@ def cast_ray(
 ) -> tuple[int, Key]:  # fmt: skip
     """Return how a ray ends (:data:`HIT`, ...) and the key of its last voxel.
 
-    The range is measured to the centres of voxels; a ``range_max`` of 0 is no limit. ``direction`` must not be 0.
+    The range is measured to voxel centres; a ``range_max`` of 0 means no limit. ``direction`` must not be 0.
     """
     resolution, occupied = config.resolution, config.log_odds_occupied
     first = key_of(origin, resolution)
@@ -166,7 +163,7 @@ def cast_ray(
 def crossings_of_cast(
     origin: Float32Array, direction: Float32Array, key: Key, resolution: float
 ) -> tuple[list[int], list[float], list[float]]:
-    """Return what :func:`crossings` does, with half a voxel in float64, as OctoMap's castRay has it."""
+    """Return :func:`crossings`, with half a voxel in float64, as in OctoMap's castRay."""
     steps, first, between = crossings(origin, direction, key, resolution)
     for axis in range(3):
         if steps[axis]:
@@ -187,7 +184,7 @@ def nearest_occupied(voxels: Voxels, point: Float32Array, config: VolumeConfig, 
 
 
 def projection(voxels: Voxels, low: int, high: int) -> dict[tuple[int, int], np.float32]:
-    """Return the greatest log-odds of each column (x, y) with known voxels whose key z is ``low`` … ``high``."""
+    """Return the maximum log-odds of each column (x, y) with known voxels whose key z is ``low`` … ``high``."""
     columns: dict[tuple[int, int], np.float32] = {}
     for (x, y, z), value in voxels.items():
         if low <= z <= high:
@@ -195,11 +192,13 @@ def projection(voxels: Voxels, low: int, high: int) -> dict[tuple[int, int], np.
     return columns
 
 
-Node = tuple[np.float32, dict[int, "Node"]]  #: log-odds and children by number: 1 × x + 2 × y + 4 × z half
+Node = tuple[np.float32, dict[int, "Node"]]  #: log-odds and children by index: 1 × x + 2 × y + 4 × z half
 
 
 def pruned_tree(voxels: Voxels) -> Node | None:
-    """Return the root of a map's octree: eight equal leaves are one, and an inner node has the greatest value below."""
+    """Return the root of a map's octree: eight equal leaves are merged, and an inner node has the maximum value below
+    it.
+    """
     if not voxels:
         return None
     nodes: dict[Key, Node] = {key: (value, {}) for key, value in voxels.items()}
@@ -219,17 +218,14 @@ def _joined(children: dict[int, Node]) -> Node:
 
 
 def ot_data(node: Node) -> bytes:
-    """Return a node and all below it as a file .ot has them: log-odds, a bit for each child, the children in order."""
+    """Return a node and its descendants in the .ot format: log-odds, a bit for each child, the children in order."""
     value, children = node
     bits = sum(1 << number for number in children)
     return struct.pack("<fB", value, bits) + b"".join(ot_data(children[number]) for number in sorted(children))
 
 
 def bt_data(node: Node, occupied: np.float32) -> bytes:
-    """Return a node and all below it as a file .bt has them: two bits for each child, then the children with children.
-
-    The bits of child n are bits 2n and 2n + 1: 00 unknown, 01 (bit 2n) free, 10 occupied, 11 has children.
-    """
+    """Return a node and its descendants in the .bt format: two bits per child, then the children that have children."""
     _, children = node
     bits = 0
     for number, (value, below) in children.items():
@@ -240,14 +236,14 @@ def bt_data(node: Node, occupied: np.float32) -> bytes:
 
 
 def is_in_box(rule: FaceRule, key: Key) -> bool:
-    """Return whether a voxel is in the box whose voxels are drawn."""
+    """Return whether a voxel is in the drawn box."""
     return all(first <= k <= last for first, k, last in zip(rule.first, key, rule.last, strict=True))
 
 
 def chunk_colours(voxels: Voxels, corner: Key, side: int, rule: FaceRule) -> dict[Key, int]:
-    """Return the colours of the voxels that are drawn in and around a cube of ``side`` voxels, by place in the cube.
+    """Return the colours of the drawn voxels in and around a cube of ``side`` voxels, by position in the cube.
 
-    Those around it have a place of −1 or ``side`` along some axis.
+    Those around it have a coordinate of −1 or ``side`` along some axis.
     """
     colours = {}
     for key, value in voxels.items():
@@ -264,7 +260,7 @@ def chunk_colours(voxels: Voxels, corner: Key, side: int, rule: FaceRule) -> dic
 
 
 def hides_faces(voxels: Voxels, corner: Key, rule: FaceRule, colours: dict[Key, int], place: Key) -> bool:
-    """Return whether the voxel at a place in a cube hides the faces towards it: it is drawn, or was never seen."""
+    """Return whether a voxel in a cube hides the faces towards it, because it is drawn or was never seen."""
     key = (place[0] + corner[0], place[1] + corner[1], place[2] + corner[2])
     return place in colours or (rule.seen_only and is_in_box(rule, key) and key not in voxels)
 
@@ -272,11 +268,11 @@ def hides_faces(voxels: Voxels, corner: Key, rule: FaceRule, colours: dict[Key, 
 def merged_faces(
     colours: dict[Key, int], side: int, hides: Callable[[Key], bool]
 ) -> list[tuple[int, int, int, int, int, int, int]]:
-    """Return the rectangles of one colour each that the faces of a cube's drawn voxels make, without hidden ones.
+    """Merge the visible faces of a cube's drawn voxels into rectangles of one colour each.
 
-    In each plane of faces, row after row: the first face that is left is made as long as it can be, then as wide.
-    A rectangle is as :func:`mapper.volume.kernels.faces.merge_faces` has it. Source: M. Lysenko, Meshing in a Minecraft
-    Game, 2012 (greedy meshing).
+    In each plane of faces, row by row, the first remaining face is extended as far as possible in length, then in
+    width. The format is that of :func:`mapper.volume.kernels.faces.merge_faces`. Source: M. Lysenko, Meshing in a
+    Minecraft Game, 2012 (greedy meshing).
     """
     merged = []
     for number in range(6):

@@ -1,4 +1,4 @@
-"""A map of occupied, free and unknown voxels, made of point clouds whose sensor's place is known."""
+"""Map of occupied, free and unknown voxels from point clouds with known sensor positions."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from mapper.volume.occupancy.block_parts import BlockParts
 from mapper.volume.occupancy.parameters import VolumeConfig
 from mapper.volume.occupancy.stop_masks import StopMaskCache
 
-FORGET_BELOW = 0.1  #: log-odds nearer to 0 than this are forgotten by a decay
-_TILE_VOXELS = 1 << 27  # marks that are laid out at a time, bytes
-# Steps of rays, and blocks of a scan's box, for each thread. Two threads write the same marks near the sensor, so that
-# a small scan takes longer by two than by one.
+FORGET_BELOW = 0.1  #: log-odds nearer to 0 than this are removed by a decay
+_TILE_VOXELS = 1 << 27  # marks processed at a time, bytes
+# Ray steps and blocks of a scan's box per thread. Two threads write the same marks near the sensor, so a small scan
+# takes longer with two threads than with one.
 STEPS_A_THREAD, BLOCKS_A_THREAD = 1 << 20, 512
 
 
 @dataclass(frozen=True, slots=True)
 class Inserted:
-    """Result of an insertion: ``beams`` were drawn, and ``left_out`` points were not finite or outside the volume.
+    """Result of an insertion: ``beams`` were traced, and ``left_out`` points were not finite or outside the volume.
 
-    ``slots`` (n,) are those of the blocks that it touched.
+    ``slots`` (n,) are those of the touched blocks.
     """
 
     beams: int
@@ -41,9 +41,9 @@ class Inserted:
 
 
 class OccupancyVolume:
-    """Log-odds of the voxels of a lattice that has 2¹⁶ voxels along each axis, with 0 in its middle.
+    """Log-odds of the voxels of a lattice with 2¹⁶ voxels along each axis, centred at 0.
 
-    The value of a voxel equals OctoMap's after the same scans, to the last bit and whatever the number of threads.
+    The value of a voxel equals OctoMap's after the same scans, to the last bit and for any number of threads.
     """
 
     def __init__(self, config: VolumeConfig | None = None, limits: Limits = DEFAULT_LIMITS) -> None:
@@ -56,16 +56,16 @@ class OccupancyVolume:
 
     @property
     def values(self) -> Float32Array:
-        """A copy of the log-odds (n, 8, 8, 8), z y x, of the blocks in the order of their slots; NaN where unknown."""
+        """A copy of the log-odds (n, 8, 8, 8), z y x, of the blocks in slot order; NaN if unknown."""
         return self._parts.blocks(slice(0, self.blocks.count))
 
     def values_of(self, slots: Int32Array | Int64Array) -> Float32Array:
-        """Return a copy of the log-odds (n, 8, 8, 8), z y x, of blocks by their slots (n,)."""
+        """Return a copy of the log-odds (n, 8, 8, 8), z y x, of blocks by slot (n,)."""
         return self._parts.blocks(slots)
 
     @property
     def belief(self) -> Belief:
-        """The map as kernels take it."""
+        """The map in the form that the kernels use."""
         return Belief(self.blocks.table, self._parts.numbers, self._parts.values, self._maxima, self._known)
 
     @property
@@ -74,13 +74,13 @@ class OccupancyVolume:
         return int(self._known[: self.blocks.count].sum())
 
     def count_states(self) -> tuple[int, int]:
-        """Return how many voxels are occupied and how many are free."""
+        """Return the number of occupied and of free voxels."""
         occupied = int((self._parts.known_values >= self.config.log_odds_occupied).sum())
         return occupied, self.n_known - occupied
 
     @property
     def n_bytes(self) -> int:
-        """Bytes that the map takes: those of its blocks and of the hash."""
+        """Memory of the map in bytes: blocks and hash."""
         blocks = self.blocks.count * 16 + self._parts.n_bytes(self.blocks.count) + self._stops.n_bytes
         return blocks + self.blocks.table.codes.nbytes + self.blocks.table.slots.nbytes
 
@@ -90,12 +90,12 @@ class OccupancyVolume:
         return CENTRE * self.config.resolution
 
     def insert_scan(self, points: ArrayLike, origin: ArrayLike | None) -> Inserted:
-        """Update the map by the points (n, 3) that a sensor at ``origin`` (3,) measured, metres in the map's frame.
+        """Update the map by the points (n, 3) measured by a sensor at ``origin`` (3,), metres in the map's frame.
 
-        Where it is not known where the sensor was, None, the points' voxels are occupied and none is free. Points that
-        are not finite or lie outside the lattice are left out. Raises :class:`ConfigError` for other shapes and for an
+        If the sensor position is unknown, None, the points' voxels become occupied and none becomes free. Points that
+        are not finite or outside the lattice are ignored. Raises :class:`ConfigError` for other shapes and for an
         origin outside the lattice, :class:`LimitError` for a scan that needs more memory than the limits allow; the map
-        may then hold a part of it.
+        may then contain a part of it.
         """
         config, limits = self.config, self.blocks.limits
         ends = np.ascontiguousarray(points, dtype=np.float32)
@@ -127,9 +127,8 @@ class OccupancyVolume:
         return Inserted(len(rays), left_out, np.concatenate(touched))
 
     def rays_of(self, ends: Float32Array, start: Float32Array) -> tuple[Float32Array, Int64Array, Int64Array, int]:
-        """Return the ends of a scan's beams, the keys of their voxels, those that are occupied, how many are left out.
-
-        ``ends`` (n, 3) are the scan's points and ``start`` (3,) its origin, float32.
+        """Return the ends of a scan's beams, the keys of their voxels, the occupied keys, and the number of ignored
+        points.
         """
         resolution, reach = self.config.resolution, self.config.range_max
         keys, inside = keys_of(ends, resolution)
@@ -195,7 +194,7 @@ class OccupancyVolume:
         return slots
 
     def _add(self, codes: Int64Array) -> Int32Array:
-        """Return the slots of blocks; new ones are unknown."""
+        """Return the slots of blocks, adding missing ones as unknown."""
         before = self.blocks.count
         slots = self.blocks.add(codes)
         if self.blocks.capacity > len(self._known):
@@ -208,16 +207,16 @@ class OccupancyVolume:
         return slots
 
     def set_blocks(self, codes: Int64Array, values: Float32Array) -> None:
-        """Give the voxels (n, 8, 8, 8) of blocks these log-odds; the codes (n,) are all different."""
+        """Set the log-odds of the voxels (n, 8, 8, 8) of blocks; the codes (n,) must be distinct."""
         slots = self._add(codes)
         self._parts.set_blocks(slots, values)
         self._summarise()
 
     def decay(self, elapsed: float) -> None:
-        """Let the log-odds fall by half for each half-life in ``elapsed`` seconds, towards 0, and forget small ones.
+        """Halve the log-odds for each half-life in ``elapsed`` seconds, and remove small ones.
 
-        Without it an object that is gone stays in the map where no later beam passes, because nothing is seen behind it
-        (OctoMap's issues 183 and 314).
+        Without decay, an object that is gone stays in the map where no later beam passes, because nothing is seen
+        behind it (OctoMap's issues 183 and 314).
         """
         if self.config.half_life == 0.0:
             return
@@ -230,11 +229,11 @@ class OccupancyVolume:
         self._stops.mark_stale(slice(None))
 
     def stop_masks(self) -> StopMasks:
-        """Return which voxels end a cast ray, of the blocks in the order of their slots."""
+        """Return which voxels end a cast ray, for the blocks in slot order."""
         return self._stops.masks_of(self.belief, self.blocks.codes, float(self.config.log_odds_occupied))
 
     def log_odds_of(self, keys: Int64Array, where: BoolArray | None = None) -> Float32Array:
-        """Return the log-odds (n,) of voxels by their keys (n, 3), NaN where unknown or ``where`` (n,) is false."""
+        """Return the log-odds (n,) of voxels by key (n, 3), NaN if unknown or ``where`` (n,) is false."""
         x, y, z = keys.T
         slots = self.blocks.find(z // BLOCK << 26 | y // BLOCK << 13 | x // BLOCK)
         there = slots >= 0 if where is None else where & (slots >= 0)
@@ -245,14 +244,16 @@ class OccupancyVolume:
         return out
 
     def voxels(self, least: float = -np.inf) -> tuple[Int64Array, Float32Array]:
-        """Return the keys (n, 3) and the log-odds (n,) of the known voxels whose log-odds are at least ``least``."""
+        """Return the keys (n, 3) and the log-odds (n,) of the known voxels with log-odds of at least ``least``."""
         values = self.values
         slot, z, y, x = np.nonzero(values >= least)
         return self.blocks.corners[slot] + np.stack([x, y, z], axis=1), values[slot, z, y, x]
 
 
 def keys_of(points: Float32Array, resolution: float) -> tuple[Int64Array, BoolArray]:
-    """Return the keys (n, 3) of the voxels that hold points (n, 3), and which points are finite and in the lattice."""
+    """Return the keys (n, 3) of the voxels that contain points (n, 3), and which points are finite and in the
+    lattice.
+    """
     keys, inside = np.empty((len(points), 3), dtype=np.int64), np.empty(len(points), dtype=np.bool_)
     voxel_keys(points, resolution, keys, inside)
     return keys, inside
@@ -264,7 +265,9 @@ def centres_of(keys: Int64Array, resolution: float) -> Float32Array:
 
 
 def _bounds(first: Int64Array, *keys: Int64Array) -> tuple[Int64Array, Int64Array]:
-    """Return the corners (3,) of the box of whole blocks around keys (3,), (n, 3), with a voxel more for rounding."""
+    """Return the corners (3,) of the box of whole blocks around keys (3,), (n, 3), with a margin of one voxel for
+    rounding.
+    """
     low, high = first.copy(), first.copy()
     for some in keys:
         key_bounds(some, low, high)
@@ -272,14 +275,16 @@ def _bounds(first: Int64Array, *keys: Int64Array) -> tuple[Int64Array, Int64Arra
 
 
 def _ray_threads(first: Int64Array, keys: Int64Array) -> int:
-    """Return how many threads follow rays from the voxel ``first`` (3,) to ``keys`` (n, 3), by every 64th of them."""
+    """Return the number of threads for rays from the voxel ``first`` (3,) to ``keys`` (n, 3), from every 64th of
+    them.
+    """
     some = keys[::64]
     steps = float(np.abs(some - first).sum()) * len(keys) / max(len(some), 1)
     return min(cores(), 1 + int(steps / STEPS_A_THREAD))
 
 
 def _tiles(low: Int64Array, high: Int64Array) -> list[Box]:
-    """Cut a box into boxes of whole blocks whose marks fit the memory."""
+    """Split a box into boxes of whole blocks whose marks fit into memory."""
     boxes = [(low.tolist(), high.tolist())]
     while math.prod(b - a for a, b in zip(*boxes[0], strict=True)) > _TILE_VOXELS:
         halves = []

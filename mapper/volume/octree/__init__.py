@@ -1,1 +1,1 @@
-"""The octree of a map and OctoMap's files."""
+"""Octree of a map, and OctoMap's files."""

@@ -1,6 +1,6 @@
-"""OctoMap's files of octrees: ``.bt``, which has free and occupied leaves, and ``.ot``, which has their log-odds.
+"""OctoMap's octree files: ``.bt``, with free and occupied leaves, and ``.ot``, with their log-odds.
 
-A file that was read and not changed is written byte for byte. Source: octomap's AbstractOcTree::read and
+A file that is read and not changed is written byte for byte. Source: octomap's AbstractOcTree::read and
 AbstractOccupancyOcTree::readBinary, which reads the data of trees of all kinds, and AbstractOcTree::readHeader.
 """
 
@@ -29,16 +29,16 @@ _HEADER = (
 )
 _OFFSET = re.compile(rb"^# offset((?: -?[0-9][0-9.e+-]{0,30}){3})$", re.MULTILINE)
 _MOST_HEADER = 1 << 16  # bytes
-#: Bytes of a node of a file .ot: log-odds, with three of its colour, children. The times of OcTreeStamped are in none.
+#: Bytes per node of a .ot file: log-odds, three more for colour, children. The stamps of OcTreeStamped are not written.
 _TREES = {"OcTree": 5, "OcTreeStamped": 5, "ColorOcTree": 8}
-_OLD_IDS = {"1": "OcTree"}  #: that OctoMap reads still
+_OLD_IDS = {"1": "OcTree"}  #: still accepted by OctoMap
 
 
 @dataclass(frozen=True, slots=True)
 class OctreeFile:
-    """An octree as a file has it: its kind, ``.bt`` or ``.ot``, its ``header`` and the tree.
+    """An octree file: its kind, ``.bt`` or ``.ot``, its ``header`` and the tree.
 
-    ``notes`` are sentences on what was read otherwise than it stands in the file.
+    ``notes`` are sentences on differences between the file and what was read.
     """
 
     kind: str
@@ -48,7 +48,7 @@ class OctreeFile:
 
     @property
     def offset(self) -> Float64Array:
-        """Offset (3,), metres, between the tree and the coordinates that it was made of: a comment of our own files."""
+        """Offset (3,), metres, between the tree and the original coordinates: a comment in our own files."""
         match = _OFFSET.search(self.header)
         try:
             return np.zeros(3) if match is None else np.array([float(word) for word in match[1].split()])
@@ -56,26 +56,25 @@ class OctreeFile:
             return np.zeros(3)
 
     def bytes(self, config: VolumeConfig | None = None) -> bytes:
-        """Return the bytes of the file. ``config`` says from which log-odds a leaf is occupied."""
+        """Return the bytes of the file. ``config`` has the occupancy threshold of the leaves."""
         return self.header + _data(self.kind, self.tree, VolumeConfig() if config is None else config)
 
 
 def is_octree(start: bytes) -> bool:
-    """Return whether a file that begins with these bytes is an octree of OctoMap."""
+    """Return whether a file that starts with these bytes is an OctoMap octree."""
     return any(start.startswith(line) for line in _FIRST_LINES.values())
 
 
 def octree_file(tree: Octree, kind: str, config: VolumeConfig, offset: Float64Array | None = None) -> OctreeFile:
-    """Return a tree as a new file; that of a ``.bt`` is first reduced to free and occupied leaves.
+    """Return a tree as a new file; for ``.bt`` it is first reduced to free and occupied leaves.
 
-    ``offset`` is that of :attr:`OctreeFile.offset`, a comment of the header.
-
-    Raises :class:`ConfigError` for a kind that is neither ``.bt`` nor ``.ot``.
+    ``offset`` is that of :attr:`OctreeFile.offset`, a comment of the header. Raises :class:`ConfigError` for a kind
+    that is neither ``.bt`` nor ``.ot``.
     """
     if kind not in _FIRST_LINES:
         raise ConfigError("octree.kind", f"An octree is written as .bt or .ot, not {kind!r}.")
     tree = tree.max_likelihood(config) if kind == ".bt" else tree
-    short = f"{tree.resolution:g}"  # as OctoMap writes it, unless that is not all of it
+    short = f"{tree.resolution:g}"  # OctoMap's notation, unless it loses digits
     resolution = short if float(short) == tree.resolution else repr(tree.resolution)
     moved = "" if offset is None or not offset.any() else f"# offset {' '.join(map(repr, offset.tolist()))}\n"
     header = _HEADER.format(_FIRST_LINES[kind].decode(), moved, tree.n_nodes, resolution)
@@ -83,10 +82,10 @@ def octree_file(tree: Octree, kind: str, config: VolumeConfig, offset: Float64Ar
 
 
 def read_octree(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> OctreeFile:
-    """Read a file ``.bt`` or ``.ot``, which is recognised by its first line.
+    """Read a ``.bt`` or ``.ot`` file, which is recognised by its first line.
 
-    The leaves of a ``.bt`` get the least and the greatest log-odds of OctoMap's defaults. Raises :class:`ReadError` for
-    a file that is neither or is damaged, and :class:`LimitError` for one that is larger than the limits allow.
+    The leaves of a ``.bt`` get the minimum and maximum log-odds of OctoMap's defaults. Raises :class:`ReadError` for a
+    file that is neither or is damaged, and :class:`LimitError` for one that exceeds the limits.
     """
     path = Path(path)
     size = path.stat().st_size
@@ -98,7 +97,9 @@ def read_octree(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -
 
 
 def octree_of_bytes(content: bytes, name: str) -> OctreeFile:
-    """Return the octree in the bytes of a file; ``name`` is used in errors. Raises as :func:`read_octree`."""
+    """Return the octree in the bytes of a file; ``name`` is used in errors. Raises the errors of
+    :func:`read_octree`.
+    """
     kind = next((kind for kind, line in _FIRST_LINES.items() if content.startswith(line)), None)
     if kind is None:
         raise ReadError("octree.format", f"{name} does not begin as an octree of OctoMap, .bt or .ot, does.")
@@ -128,18 +129,18 @@ def octree_of_bytes(content: bytes, name: str) -> OctreeFile:
 
 
 def write_octree(file: OctreeFile, path: str | os.PathLike[str], config: VolumeConfig | None = None) -> None:
-    """Write an octree; a file of the same name is replaced when all is written."""
+    """Write an octree, replacing an existing file only after everything is written."""
     with atomic_write(Path(path)) as out:
         out.write(file.bytes(config))
 
 
 def _as_octree(header: bytes) -> bytes:
-    """Return the header of a tree without its colours."""
+    """Return the header of a tree without colours."""
     return re.sub(rb"(?m)^id .*$", b"id OcTree", header)
 
 
 def _read_header(content: bytes, name: str) -> tuple[float, int, int, str]:
-    """Return the resolution, the number of nodes, where the data begin, and the kind of the tree."""
+    """Return the resolution, the number of nodes, the start of the data, and the kind of the tree."""
     header: dict[str, str] = {}
     at = 0
     while True:
@@ -165,9 +166,9 @@ def _read_header(content: bytes, name: str) -> tuple[float, int, int, str]:
 
 
 def _read_ot(data: UInt8Array, resolution: float, name: str, begin: int, width: int) -> tuple[Octree, int]:
-    """Return the tree of nodes of ``width`` bytes, and how many bytes it has."""
+    """Return the tree of nodes of ``width`` bytes, and its total number of bytes."""
     size = len(data)
-    if width != 5:  # between log-odds and children are colours
+    if width != 5:  # the colour is between log-odds and children
         rows = data[: size // width * width].reshape(-1, width)
         data = np.ascontiguousarray(np.concatenate([rows[:, :4], rows[:, -1:]], axis=1)).reshape(-1)
     masks = np.empty(len(data) // 5 + 1, dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""The octree of a map: a view in which eight equal voxels are one node, as OctoMap stores it."""
+"""Octree of a map, in which eight equal voxels are one node, as in OctoMap."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _BLOCK_DEPTH = DEPTH - 3  # of a node that is one block
 
 
 def _voxels_in_morton_order() -> Int64Array:
-    """Return where in a block, z y x, the voxel of each Morton code is (512,)."""
+    """Return the index in a block, z y x, of the voxel of each Morton code (512,)."""
     keys = np.empty((_VOXELS, 3), dtype=np.int64)
     morton_keys(np.arange(_VOXELS), keys)
     order: Int64Array = keys @ np.array([1, BLOCK, BLOCK * BLOCK])
@@ -35,7 +35,7 @@ def _voxels_in_morton_order() -> Int64Array:
 
 
 def _parts_in_morton_order() -> Int64Array:
-    """Return where in the parts of a block, see :class:`Belief`, the voxel of each Morton code is (512,)."""
+    """Return the index in the parts of a block, see :class:`Belief`, of the voxel of each Morton code (512,)."""
     order = _voxels_in_morton_order()
     x, y, z = order & 7, order >> 3 & 7, order >> 6
     place: Int64Array = (z >> 1 << 2 | y >> 1) << 5 | (z & 1) << 4 | (y & 1) << 3 | x
@@ -44,10 +44,10 @@ def _parts_in_morton_order() -> Int64Array:
 
 @dataclass(frozen=True, slots=True)
 class Octree:
-    """Nodes in depth-first order: log-odds ``values`` (n,) float32 and the bits of the children ``masks`` (n,) uint8.
+    """Nodes in depth-first order: log-odds ``values`` (n,) float32 and the children bits ``masks`` (n,) uint8.
 
-    Child number 1 × x + 2 × y + 4 × z is in the upper half along these axes. The root is a cube of 2¹⁶ voxels of
-    ``resolution`` metres around 0; without nodes nothing is known.
+    Child 1 × x + 2 × y + 4 × z is in the upper half along these axes. The root is a cube of 2¹⁶ voxels of
+    ``resolution`` metres around 0; without nodes everything is unknown.
     """
 
     resolution: float
@@ -69,11 +69,11 @@ class Octree:
         return cls(config.resolution, grown[:n], masks[:n]).pruned()
 
     def pruned(self) -> Octree:
-        """Return the tree in which no eight leaves of one parent are equal, with the values of inner nodes."""
+        """Return the tree with eight equal leaves of one parent merged, and with the values of inner nodes."""
         return self._with_inner_values(join=True)
 
     def completed(self) -> Octree:
-        """Return the tree with the values of inner nodes: the greatest of their children."""
+        """Return the tree with the values of inner nodes, the maxima of their children."""
         return self._with_inner_values(join=False)
 
     def _with_inner_values(self, *, join: bool) -> Octree:
@@ -82,17 +82,14 @@ class Octree:
         return Octree(self.resolution, values[:n].copy(), masks[:n].copy())
 
     def max_likelihood(self, config: VolumeConfig) -> Octree:
-        """Return the pruned tree of the states of the leaves, at the least or greatest log-odds of ``config``.
-
-        Source: octomap's OccupancyOcTreeBase::toMaxLikelihood.
-        """
+        """Return the pruned tree of the states of the leaves, as the minimum or maximum log-odds of ``config``."""
         occupied = self.values >= config.log_odds_occupied
         states = np.where(occupied, config.log_odds_max, config.log_odds_min).astype(np.float32)
         return Octree(self.resolution, states, self.masks).pruned()
 
     @property
     def n_nodes(self) -> int:
-        """Number of nodes of the tree, inner ones included."""
+        """Number of nodes of the tree, including inner ones."""
         return len(self.masks)
 
     @property
@@ -101,10 +98,7 @@ class Octree:
         return int((self.masks == 0).sum())
 
     def leaves(self) -> tuple[Int64Array, UInt8Array, Float32Array]:
-        """Return of each leaf the key (n, 3) of its first voxel, its depth (n,) and its log-odds (n,).
-
-        A leaf of depth d is a cube of 2^(16 − d) voxels.
-        """
+        """Return for each leaf the key (n, 3) of its first voxel, its depth (n,) and its log-odds (n,)."""
         codes, depths, values = self._leaf_codes()
         keys = np.empty((len(codes), 3), dtype=np.int64)
         morton_keys(codes, keys)
@@ -117,7 +111,7 @@ class Octree:
         return codes[leaf], depths[leaf], self.values[leaf]
 
     def check_size(self, limits: Limits = DEFAULT_LIMITS) -> None:
-        """Raise :class:`LimitError` for a tree whose leaves are more voxels than the limits allow."""
+        """Raise :class:`LimitError` for a tree whose leaves have more voxels than the limits allow."""
         blocks = _blocks_of(self._leaf_codes()[1]).astype(np.float64)
         if blocks.sum() > limits.max_blocks + len(blocks):
             raise LimitError(
@@ -127,9 +121,9 @@ class Octree:
             )
 
     def volume(self, config: VolumeConfig, limits: Limits = DEFAULT_LIMITS) -> OccupancyVolume:
-        """Return the map whose voxels have the values of the leaves. ``config`` has the resolution of the tree.
+        """Return a map with the values of the leaves. The resolution of ``config`` must be that of the tree.
 
-        Raises :class:`LimitError` for a tree whose voxels need more blocks than the limits allow.
+        Raises :class:`LimitError` for a tree that needs more blocks than the limits allow.
         """
         volume = OccupancyVolume(config, limits)
         if not self.n_nodes:
@@ -156,5 +150,5 @@ class Octree:
 
 
 def _blocks_of(depths: UInt8Array) -> Int64Array:
-    """Return how many blocks leaves of these depths (n,) are, at least one each."""
+    """Return the number of blocks covered by leaves of these depths (n,), at least one each."""
     return np.asarray(np.int64(1) << 3 * np.maximum(_BLOCK_DEPTH - depths.astype(np.int64), 0))

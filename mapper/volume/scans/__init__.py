@@ -1,1 +1,1 @@
-"""The scans that a map is made of: from files, in memory, and a map after each."""
+"""Scans from which maps are built: from files, in memory, and replayed maps."""

@@ -1,4 +1,4 @@
-"""The depth images of a folder in memory, to be fused again and again."""
+"""Depth images of a folder in memory, for repeated fusion."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from mapper.core.array_types import Float32Array, Float64Array
 from mapper.sensors.camera import Intrinsics
 
-MOST_PIXELS = 1 << 26  #: of all images that are kept, 128 MiB: 218 images of 640 × 480
-LEAST_AGREEMENT = 0.5  #: length of the mean of unit vectors below which they do not say one direction
+MOST_PIXELS = 1 << 26  #: of all images kept, 128 MiB: 218 images of 640 × 480
+LEAST_AGREEMENT = 0.5  #: minimum length of the mean of unit vectors for a common direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +28,10 @@ class DepthSequence:
 
     @property
     def up(self) -> Float64Array | None:
-        """Return which way is up, a unit vector (3,) of the map's frame: against the mean of the images' columns.
+        """Return the upward direction, a unit vector (3,) in the map's frame: opposite to the mean image column
+        direction.
 
-        None where the cameras do not agree: they look straight up and down, or turn about their axes.
+        None if the cameras do not agree, because they look straight up and down or rotate about their axes.
         """
         mean = -self.poses[:, :3, 1].mean(axis=0)
         length = float(np.linalg.norm(mean))
@@ -43,11 +44,11 @@ class DepthSequence:
 
 
 class GatheredDepth:
-    """Depth images while they are read. Once there are too many pixels, every second row and column is kept."""
+    """Depth images being read. If there are too many pixels, every second row and column is kept."""
 
     def __init__(self, camera: Intrinsics, unit: float, most: int = MOST_PIXELS) -> None:
         self._camera, self._unit, self._most = camera, unit, most
-        self._step = 1  #: rows and columns from one that is kept to the next
+        self._step = 1  #: step between kept rows and columns
         self._images: list[NDArray[np.uint16]] = []
         self._poses: list[Float64Array] = []
         self._pixels = 0
@@ -65,7 +66,7 @@ class GatheredDepth:
 
     @property
     def notes(self) -> list[str]:
-        """A sentence where not all pixels are kept."""
+        """A sentence if not all pixels are kept."""
         if self._step == 1:
             return []
         return [
@@ -73,11 +74,11 @@ class GatheredDepth:
         ]
 
     def sequence(self, offset: Float64Array) -> DepthSequence:
-        """Return the images in a map that is moved by −``offset`` (3,). There must be one at least."""
+        """Return the images in a map shifted by −``offset`` (3,). There must be at least one."""
         images, poses = np.stack(self._images), np.array(self._poses)
         poses[:, :3, 3] -= offset
         _, height, width = images.shape
         full, step = self._camera, self._step
-        # Pixel (u, v) is what was pixel (step u, step v).
+        # Pixel (u, v) was pixel (step u, step v).
         camera = Intrinsics(width, height, full.fx / step, full.fy / step, full.cx / step, full.cy / step)
         return DepthSequence(camera, self._unit, images, poses)

@@ -1,4 +1,4 @@
-"""The map of the first scans of a sequence: it goes forward scan by scan, and back by beginning again."""
+"""Map of the first scans of a sequence, replayed forward scan by scan; backward steps start again."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from mapper.volume.scans.sources import Insertion
 class ReplayedVolume:
     """A map of ``source``, the scans of a sequence or an octree, which counts as one scan.
 
-    ``index`` scans are in ``volume``; ``inserted`` counts what they did.
+    ``index`` scans are in ``volume``; ``inserted`` has their counts.
     """
 
     def __init__(
@@ -45,12 +45,12 @@ class ReplayedVolume:
         return len(self.source) if isinstance(self.source, ScanSequence) else 1
 
     def placed_scans(self) -> Iterator[PlacedScan]:
-        """Yield the scans that are in the map; none of an octree, whose scans are not known."""
+        """Yield the scans that are in the map; none for an octree, whose scans are unknown."""
         if isinstance(self.source, ScanSequence):
             yield from map(self.source.scan, range(self.index))
 
     def take_touched(self) -> Int32Array | None:
-        """Return the slots (n,) of the blocks that changed since the last call; None where any may have."""
+        """Return the slots (n,) of the blocks that changed since the last call; None if any may have."""
         touched = self._touched
         changed_all, self._touched, self.changed_all = self.changed_all, [], False
         if changed_all:
@@ -60,10 +60,10 @@ class ReplayedVolume:
     def go_to(
         self, index: int, is_over: Callable[[], bool] = lambda: False, may_continue: Callable[[], bool] = lambda: True
     ) -> bool:
-        """Make the map of the first ``index`` scans, or a part of the way once ``is_over``; return whether it is there.
+        """Build the map of the first ``index`` scans, or a part of it once ``is_over``; return whether it is complete.
 
         At least one scan is inserted. Raises :class:`WorkCancelledError` between two scans unless ``may_continue``, and
-        as :meth:`OccupancyVolume.insert_scan`; the map may then hold a part of a scan, and is then begun again.
+        the errors of :meth:`OccupancyVolume.insert_scan`; the map may then contain a part of a scan and is rebuilt.
         """
         if index < self.index:
             self._begin()
@@ -96,5 +96,5 @@ class ReplayedVolume:
 
     @property
     def n_cells(self) -> int:
-        """Voxels for which the map has memory."""
+        """Voxels for which the map has allocated memory."""
         return self.volume.blocks.count * BLOCK**3

@@ -1,4 +1,4 @@
-"""The scans of a cloud, a scan graph, a depth folder or a recording in memory, to be mapped again and again."""
+"""Scans of a cloud, a scan graph, a depth folder or a recording in memory, for repeated mapping."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from mapper.volume.scans.depth_sequence import DepthSequence, GatheredDepth
 from mapper.volume.scans.map_offset import offset_notes, offset_of
 from mapper.volume.scans.sources import ScanSource, file_head, open_source, placed_scan
 
-MOST_POINTS = 10_000_000  #: of a sequence; of one with more, one point is kept for each small cube
-FINEST_M = 0.01  #: side of these cubes at first, metres: the voxels of a map at any multiple of it keep their points
-MOST_IN_SCAN = 50_000  #: points of a scan of several from which on one point is kept for each of these cubes
-#: Of each axis that may point up the rotation that turns it to z.
+MOST_POINTS = 10_000_000  #: of a sequence; beyond it, one point is kept per small cube
+FINEST_M = 0.01  #: initial side of these cubes, metres; maps with a resolution that is a multiple of it lose no voxels
+MOST_IN_SCAN = 50_000  #: points of one of several scans, beyond which one point is kept per cube
+#: For each axis that may point up, the rotation that turns it to z.
 UPS = {
     "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
     "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
@@ -37,18 +37,18 @@ UPS = {
     "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
     "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
 }
-FIELDS = ("rgb", "intensity", "class")  #: of a cloud's points that are kept
+FIELDS = ("rgb", "intensity", "class")  #: kept fields of a cloud's points
 
 
 @dataclass(frozen=True, slots=True)
 class ScanSequence:
-    """Scans in the map's frame, in their order.
+    """Scans in the map's frame, in order.
 
     ``points`` (n, 3) float32, metres, are those of all scans; scan k has rows ``starts[k]`` … ``starts[k + 1]`` − 1.
-    ``origins`` (scans, 3), metres, are the places of the sensor, NaN where they are not known; ``stamps_ns`` (scans,)
-    are 0 where there are none. The file's coordinates are those here plus ``offset`` (3,). ``fields`` has what is known
-    of each point: ``rgb`` (n, 3) uint8, ``intensity`` (n,) float32, ``class`` (n,) integers. ``kind`` is the format;
-    ``notes`` are sentences on what was read. ``depth`` has the images of a depth folder, one for each scan.
+    ``origins`` (scans, 3), metres, are the sensor positions, NaN if unknown; ``stamps_ns`` (scans,) are 0 if there are
+    none. The file's coordinates are these plus ``offset`` (3,). ``fields`` has the known point fields: ``rgb`` (n, 3)
+    uint8, ``intensity`` (n,) float32, ``class`` (n,) integers. ``kind`` is the format; ``notes`` are sentences on the
+    input. ``depth`` has the images of a depth folder, one for each scan.
     """
 
     kind: str
@@ -73,16 +73,16 @@ class ScanSequence:
         )
 
     def depth_image(self, index: int) -> DepthImage | None:
-        """Return the depth image of a scan; None where there are points only."""
+        """Return the depth image of a scan; None if there are points only."""
         depth = self.depth
         return None if depth is None else DepthImage(depth.depth(index), depth.camera, depth.poses[index])
 
     @property
     def first_up(self) -> str:
-        """The axis of the file, one of :data:`UPS`, that points up as far as is known.
+        """The axis of the file, one of :data:`UPS`, that presumably points up.
 
-        Cameras are held upright more often than not, so that it is the axis nearest to the images' upward direction;
-        without images z is up, as REP 103 says.
+        Cameras are usually held upright, so it is the axis nearest to the images' upward direction; without images it
+        is z, as in REP 103.
         """
         up = None if self.depth is None else self.depth.up
         if up is None:
@@ -91,10 +91,7 @@ class ScanSequence:
         return ("-" if up[axis] < 0.0 else "") + "xyz"[axis]
 
     def with_up(self, axis: str) -> ScanSequence:
-        """Return the scans turned so that an axis of the file, one of :data:`UPS`, points up.
-
-        Raises :class:`ConfigError` for another one.
-        """
+        """Return the scans rotated so that an axis of the file, one of :data:`UPS`, points up."""
         if axis not in UPS:
             raise ConfigError(
                 "volume.up", f"The axis that points up must be one of {', '.join(UPS)}, not {axis!r:.80}."
@@ -110,7 +107,7 @@ class ScanSequence:
 
     @property
     def has_origins(self) -> bool:
-        """Whether it is known where the sensor was, so that free space can be mapped."""
+        """Whether the sensor positions are known, so that free space can be mapped."""
         return bool(np.isfinite(self.origins).all())
 
     @property
@@ -121,11 +118,11 @@ class ScanSequence:
 
 
 class _Gathered:
-    """Scans while they are read: thinned if there are too many points."""
+    """Scans being read, thinned if there are too many points."""
 
     def __init__(self, most: int, *, is_single: bool) -> None:
         self.most, self.is_single = most, is_single
-        self.side = 0.0  #: of the cubes in which one point is kept; 0: all points are
+        self.side = 0.0  #: side of the cubes in which one point is kept; 0: all points are kept
         self.scans: list[Float32Array] = []
         self.count = self.seen = 0
 
@@ -152,9 +149,9 @@ class _Gathered:
 
 
 def first_in_cubes(points: Float32Array, side: float) -> Int64Array:
-    """Return the numbers (m,), ascending, of the first of the points (n, 3) in each cube of ``side`` metres.
+    """Return the indices (m,), ascending, of the first of the points (n, 3) in each cube of ``side`` metres.
 
-    Raises :class:`ConfigError` for points that are not finite or too far from 0 for whole numbers of cubes.
+    Raises :class:`ConfigError` for points that are not finite or too far from 0 for integer cube indices.
     """
     if not len(points):
         return np.empty(0, dtype=np.int64)
@@ -167,7 +164,7 @@ def first_in_cubes(points: Float32Array, side: float) -> Int64Array:
     cubes -= cubes.min(axis=0)
     sides = cubes.max(axis=0) + 1
     if float(sides[0]) * float(sides[1]) * float(sides[2]) > 2.0**62:
-        _, first = np.unique(cubes, axis=0, return_index=True)  # one number for a cube does not fit: slower
+        _, first = np.unique(cubes, axis=0, return_index=True)  # slower, but one integer per cube does not fit
     else:
         _, first = np.unique((cubes[:, 2] * sides[1] + cubes[:, 1]) * sides[0] + cubes[:, 0], return_index=True)
     return np.sort(first)
@@ -181,9 +178,9 @@ def gather(
     progress: Progress | None = None,
     most: int = MOST_POINTS,
 ) -> ScanSequence:
-    """Return the scans of what :func:`mapper.volume.scans.sources.open_source` opens, at most about ``most`` points.
+    """Return the scans opened by :func:`mapper.volume.scans.sources.open_source`, with at most about ``most`` points.
 
-    Raises as that does, and :class:`ReadError` where there is no scan with a point.
+    Raises the same errors, and :class:`ReadError` if there is no scan with a point.
     """
     if is_depth_folder(Path(path)):
         return _of_depth_folder(Path(path), limits, progress, most)

@@ -1,4 +1,4 @@
-"""Sources of the scans of a map: clouds, scan graphs, depth folders and recordings."""
+"""Sources of scans for a map: clouds, scan graphs, depth folders and recordings."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from mapper.volume.scans.map_offset import MapOffset
 
 @dataclass(slots=True)
 class ScanSource:
-    """The scans of one file or folder, in order: iterate ``scans`` once. ``count`` is how many there are, if known.
+    """The scans of one file or folder, in order; iterate ``scans`` once. ``count`` is their number, if known.
 
-    ``given_poses`` is how many of the poses that were given, one for each cloud's file, it has taken. ``notes`` are
-    sentences on what was found; reading the scans adds to them.
+    ``given_poses`` is the number of supplied poses, one for each cloud file, used so far. ``notes`` are sentences on
+    the input; reading the scans adds to them.
     """
 
     kind: str
@@ -53,16 +53,16 @@ def open_source(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanSource:
-    """Return the scans of a cloud's file, a scan graph, a folder of depth images or a recording with clouds.
+    """Return the scans of a cloud file, a scan graph, a folder of depth images or a recording with clouds.
 
-    The points of a cloud's file are in the map's frame; its sensor was at its viewpoint, or at ``sensor`` (3,), metres.
-    Clouds and depth images of a recording are placed by its transforms; ``topic`` names one of several, and ``tf`` the
-    topic of transforms, where there are several; ``trajectory`` and ``time_offset`` are as in
-    :func:`mapper.io.clouds.posed.open_posed_clouds`, and of nothing else. With ``poses``
-    the points of a cloud's file are in the frame of its sensor, whose pose is that of ``number``, and a recording's
-    are placed by the poses at their times; a scan graph and a folder of depth images have poses of their own. With
-    ``offset`` the scans are moved to a map's coordinates, which the first of them decides where it is not yet.
-    Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
+    The points of a cloud file are in the map's frame; its sensor was at its viewpoint, or at ``sensor`` (3,), metres.
+    Clouds and depth images of a recording are placed by its transforms; ``topic`` selects one of several topics, and
+    ``tf`` the topic of transforms; ``trajectory`` and ``time_offset`` are as in
+    :func:`mapper.io.clouds.posed.open_posed_clouds`, and apply to nothing else. With ``poses``, the points of a cloud
+    file are in the frame of its sensor, whose pose has index ``number``, and those of a recording are placed by the
+    poses at their times; scan graphs and folders of depth images have their own poses. With ``offset`` the scans are
+    shifted to a map's coordinates; the first scan determines it if it is not yet set. Raises :class:`ReadError` and
+    :class:`LimitError` like the readers, some of them during iteration.
     """
     source = _opened_source(Path(path), topic, tf, trajectory, time_offset, sensor, poses, number, limits, progress)
     if offset is not None:
@@ -121,7 +121,7 @@ def _opened_source(
 
 
 def refuse_poses(poses: GivenPoses | None, path: Path) -> None:
-    """Raise :class:`ConfigError` where ``poses`` are given for the file at ``path``, which states its own."""
+    """Raise :class:`ConfigError` if ``poses`` are supplied for the file at ``path``, which has its own."""
     if poses is not None:
         raise ConfigError(
             "poses.own", f"{path.name} contains the poses of its scans; other poses cannot be used with it."
@@ -129,7 +129,7 @@ def refuse_poses(poses: GivenPoses | None, path: Path) -> None:
 
 
 def file_head(path: Path, limits: Limits) -> bytes:
-    """Return the first bytes of a file, unpacked."""
+    """Return the first bytes of a file, decompressed."""
     head = b""
     with opened(path) as file:
         for piece in Unpacked(file, lambda: "at its beginning", limits):
@@ -140,9 +140,9 @@ def file_head(path: Path, limits: Limits) -> bytes:
 
 
 def placed_scan(posed: PosedCloud) -> PlacedScan:
-    """Return the finite points of a cloud at its pose that are not too far from the origin."""
+    """Return the finite points of a posed cloud that are not too far from the origin."""
     points = posed.points_in_map()[posed.cloud.finite]
-    # A message may state any number: what is read of a cloud's file is checked by its reader.
+    # A message may contain any number, while values from a cloud file are checked by its reader.
     near = (np.abs(points) <= DEFAULT_LIMITS.max_coordinate).all(axis=1)
     return PlacedScan(points if near.all() else points[near], posed.origin, posed.cloud.stamp_ns)
 
@@ -169,15 +169,15 @@ def _with_poses(clouds: PosedClouds, notes: list[str]) -> Iterator[PlacedScan]:
 
 @dataclass(slots=True)
 class Insertion:
-    """Result of the insertion of all scans: numbers of scans, points, and points that were left out."""
+    """Result of the insertion of all scans: numbers of scans, points, and ignored points."""
 
     scans: int = 0
     points: int = 0
     left_out: int = 0
-    last_ns: int = field(default=0, repr=False)  #: stamp of the last scan that has one
+    last_ns: int = field(default=0, repr=False)  #: stamp of the last scan with a stamp
 
     def insert(self, volume: OccupancyVolume, scan: PlacedScan) -> Inserted:
-        """Update the map by one scan, after it has decayed for the time since the last one; return what it did."""
+        """Update the map by one scan, after decay for the time since the last one; return the counts."""
         if self.last_ns and scan.stamp_ns > self.last_ns:
             volume.decay((scan.stamp_ns - self.last_ns) * 1e-9)
         self.last_ns = scan.stamp_ns or self.last_ns
@@ -196,9 +196,9 @@ def insert_all(
 ) -> None:
     """Update a map by all scans of a source and count them in ``into``.
 
-    ``progress`` is called with the share of the scans, 0 … 1, where their number is known. Raises
+    ``progress`` is called with the fraction of the scans, 0 to 1, if their number is known. Raises
     :class:`WorkCancelledError` between two scans once ``is_cancelled``, :class:`ConfigError` for a source all of whose
-    points are left out, and as :meth:`OccupancyVolume.insert_scan`.
+    points are ignored, and the errors of :meth:`OccupancyVolume.insert_scan`.
     """
     before = into.points - into.left_out
     for k, scan in enumerate(source.scans):

@@ -1,1 +1,1 @@
-"""Truncated signed distances: surfaces fused from depth images and clouds."""
+"""Truncated signed distance fields: surfaces fused from depth images and clouds."""

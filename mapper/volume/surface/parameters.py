@@ -1,4 +1,4 @@
-"""The table of parameters of truncated signed distances.
+"""Table of parameters of truncated signed distance fields.
 
 Source: Curless & Levoy, A volumetric method for building complex models from range images, SIGGRAPH 1996; Newcombe et
 al., KinectFusion: real-time dense surface mapping and tracking, ISMAR 2011, section 3.3; Oleynikova et al., Voxblox:
@@ -14,7 +14,7 @@ import numpy as np
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import check_fields, choice, flag, number, table_of
 
-TRUNCATION_VOXELS = 4.0  #: the truncation, in voxels, where none is given
+TRUNCATION_VOXELS = 4.0  #: default truncation in voxels
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +65,14 @@ class TsdfConfig:
 
     @property
     def band(self) -> np.float32:
-        """The truncation that is used, metres."""
+        """The truncation distance in metres."""
         return np.float32(self.truncation or TRUNCATION_VOXELS * self.resolution)
 
     @property
     def far(self) -> np.float32:
-        """The longest depth or range that is used, metres; without a limit the greatest number, as infinity is none."""
+        """The maximum depth or range, metres; without a limit the greatest finite number, because infinity means no
+        return.
+        """
         return np.float32(self.range_max or np.finfo(np.float32).max)
 
 

@@ -1,4 +1,4 @@
-"""Updates of one voxel of a surface by each scan, and the surface that a line of sight meets."""
+"""Updates of one voxel of a surface by each scan, and the surface hit by a line of sight."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from mapper.volume.surface.parameters import TsdfConfig
 from mapper.volume.surface.replayed import MeasuredScans, ReplayedSurface
 from mapper.volume.surface.tsdf import CENTRE, TsdfVolume
 
-_AROUND = 2  # pixels of an image beside the one in which the voxel is seen that are fused with it
+_AROUND = 2  # pixels around the one in which the voxel is seen that are fused with it
 _SAMPLES = 1 << 16  # along a line of sight
 
 
 @dataclass(frozen=True, slots=True)
 class SurfaceUpdate:
-    """Update of a voxel of a surface by scan number ``scan``, from 0.
+    """Update of a voxel of a surface by scan ``scan``, counted from 0.
 
-    It ``measured`` this signed distance, metres, cut at the truncation, with ``added`` weight. The voxel had the mean
-    ``before``, None where it was unknown, and has ``after`` with the weight ``weight``. ``origin`` (3,) is the place of
+    The scan ``measured`` this signed distance, metres, truncated, with ``added`` weight. The voxel had the mean
+    ``before``, None if it was unknown, and has ``after`` with the weight ``weight``. ``origin`` (3,) is the position of
     the sensor, metres.
     """
 
@@ -41,7 +41,8 @@ class SurfaceUpdate:
 def why_surface(
     now: ReplayedSurface, key: Int64Array, may_continue: Callable[[], bool] = lambda: True
 ) -> list[SurfaceUpdate]:
-    """Return what the scans of a surface did to the voxel of ``key`` (3,); those that did not measure it are left out.
+    """Return the updates of the voxel with ``key`` (3,) by the scans of a surface, omitting scans that did not measure
+    it.
 
     The last distance and weight are those of the surface. Raises :class:`WorkCancelledError` between two scans unless
     ``may_continue``.
@@ -51,7 +52,7 @@ def why_surface(
     if slot < 0:
         return []
     first = next(k for k, count in enumerate(now.counts) if count > slot)
-    # A block of distances without weight: a scan measures as if it were the first.
+    # A block of distances without weight: each scan measures as if it were the first.
     empty = np.zeros((1, BLOCK, BLOCK, BLOCK), dtype=np.float32)
     distance, weight = np.float32(0.0), np.float32(0.0)
     updates = []
@@ -76,7 +77,7 @@ def why_surface(
 
 
 def _place(key: Int64Array) -> tuple[int, tuple[int, int, int]]:
-    """Return the code of a voxel's block and its place there, z y x."""
+    """Return the code of a voxel's block and its position in the block, z y x."""
     x, y, z = (int(k) for k in key // BLOCK)
     i, j, k = (int(index) for index in key % BLOCK)
     return z << 26 | y << 13 | x, (k, j, i)
@@ -88,9 +89,9 @@ Part = Callable[[TsdfVolume], object]
 def _near_voxel(
     source: MeasuredScans, config: TsdfConfig, scan: int, key: Int64Array
 ) -> tuple[Part, Float64Array] | None:
-    """Return what fuses all of a scan that may measure a voxel, and little else, and the place of the sensor (3,).
+    """Return a function that fuses the part of a scan that may measure a voxel, and the sensor position (3,).
 
-    None where nothing does.
+    None if no part does.
     """
     place = centres_of(key[None], config.resolution)[0].astype(np.float64)
     image = source.depth_image(scan)
@@ -125,9 +126,10 @@ def _fused(
 
 
 def first_surface(volume: TsdfVolume, origin: ArrayLike, direction: ArrayLike) -> Float64Array | None:
-    """Return where a line of sight (3,) from ``origin`` (3,), metres, meets a surface from its outside; None: nowhere.
+    """Return the point at which a line of sight (3,) from ``origin`` (3,), metres, hits a surface from outside, or
+    None.
 
-    The distances are looked up at every half voxel; the place is where the line between two of them is 0.
+    The distances are sampled at every half voxel, and the zero is interpolated linearly between two samples.
     """
     start, along = np.asarray(origin, dtype=np.float64), np.asarray(direction, dtype=np.float64)
     length = float(np.linalg.norm(along))

@@ -1,4 +1,4 @@
-"""The surface of the first scans of a sequence: it goes forward scan by scan, and back to the nearest snapshot."""
+"""Surface of the first scans of a sequence, replayed forward scan by scan and backward from the nearest snapshot."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from mapper.volume.surface.tsdf import Fused, TsdfVolume
 
 
 class MeasuredScans(Protocol):
-    """Scans in their order."""
+    """Scans in order."""
 
     @property
     def has_origins(self) -> bool:
-        """Whether it is known of all where their sensor was."""
+        """Whether the sensor position of all scans is known."""
 
     def __len__(self) -> int: ...
 
     def depth_image(self, index: int) -> DepthImage | None:
-        """Return the depth image of a scan; None where it has points only."""
+        """Return the depth image of a scan; None if it has points only."""
 
     def scan(self, index: int) -> PlacedScan:
         """Return the points of a scan."""
 
 
 SNAPSHOT_BYTES = 128 << 20  #: of all snapshots of one surface
-EVERY = 8  #: scans from one snapshot to the next at first; twice as many each time that the snapshots are too large
+EVERY = 8  #: initial number of scans between snapshots; doubled each time the snapshots become too large
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +54,10 @@ class Snapshot:
 
 
 class ReplayedSurface:
-    """A surface of the first ``index`` scans of ``source``, which must say where its sensor was.
+    """A surface of the first ``index`` scans of ``source``, whose sensor positions must be known.
 
     Depth images are fused as such, other scans as points. ``counts`` has the number of blocks after each of these
-    scans. Raises :class:`ConfigError` for a source that does not say where its sensor was.
+    scans. Raises :class:`ConfigError` for a source without sensor positions.
     """
 
     def __init__(
@@ -92,17 +92,17 @@ class ReplayedSurface:
 
     @property
     def snapshots(self) -> tuple[int, ...]:
-        """After how many scans a snapshot is kept, ascending."""
+        """Numbers of scans after which a snapshot is kept, ascending."""
         return tuple(sorted(self._snapshots))
 
     @property
     def n_cells(self) -> int:
-        """Voxels for which the map and its snapshots have memory; a voxel has a distance and a weight."""
+        """Voxels for which the map and its snapshots have allocated memory; a voxel has a distance and a weight."""
         snapshots = sum(snapshot.nbytes for snapshot in self._snapshots.values())
         return 2 * self.volume.blocks.count * BLOCK**3 + snapshots // 4
 
     def take_touched(self) -> Int32Array | None:
-        """Return the slots (n,) of the blocks that changed since the last call; None where any may have."""
+        """Return the slots (n,) of the blocks that changed since the last call; None if any may have."""
         touched, changed_all = self._touched, self._changed_all
         self._touched, self._changed_all = [], False
         return None if changed_all else np.unique(np.concatenate([np.empty(0, np.int32), *touched]))
@@ -110,11 +110,11 @@ class ReplayedSurface:
     def go_to(
         self, index: int, is_over: Callable[[], bool] = lambda: False, may_continue: Callable[[], bool] = lambda: True
     ) -> bool:
-        """Make the surface of the first ``index`` scans, or a part of the way; return whether it is there.
+        """Compute the surface of the first ``index`` scans, or a part of the way; return whether it is reached.
 
-        At least one scan is fused; further ones until ``is_over``. Raises :class:`WorkCancelledError` between two scans
-        unless ``may_continue``, and as :meth:`TsdfVolume.fuse_depth` and :meth:`TsdfVolume.fuse_points`; the surface is
-        then that of the scans before.
+        At least one scan is fused, and further ones until ``is_over``. Raises :class:`WorkCancelledError` between two
+        scans unless ``may_continue``, and the errors of :meth:`TsdfVolume.fuse_depth` and
+        :meth:`TsdfVolume.fuse_points`; the surface is then that of the scans before.
         """
         if index < self.index:
             snapshots = self.snapshots
@@ -133,7 +133,7 @@ class ReplayedSurface:
         return self.index == index
 
     def _keep(self) -> None:
-        """Keep a snapshot where one is due; where they are too large, every second one."""
+        """Keep a snapshot if due; if they are too large, drop every second one."""
         is_due = self._most_bytes > 0 and self.index % self._every == 0
         if not is_due or self.index in self._snapshots or self.index == self.count:
             return
@@ -148,7 +148,7 @@ class ReplayedSurface:
 def fuse(volume: TsdfVolume, source: MeasuredScans, index: int) -> Fused:
     """Update a surface by one scan of a sequence: by its depth image, or else by its points.
 
-    Raises :class:`LimitError` as the methods of the volume do.
+    Raises :class:`LimitError` like the methods of the volume.
     """
     image = source.depth_image(index)
     try:

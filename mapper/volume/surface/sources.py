@@ -20,10 +20,10 @@ from mapper.volume.surface.tsdf import Fused, TsdfVolume
 
 @dataclass(slots=True)
 class Fusions:
-    """Result of a fusion: numbers of ``scans`` (depth images or clouds) and of pixels or points that were ``used``.
+    """Result of a fusion: the number of ``scans`` (depth images or clouds) and of pixels or points ``used``.
 
-    ``given_poses`` is how many of the poses that were given, one for each cloud's file, they took. ``notes`` are
-    sentences on what was found.
+    ``given_poses`` is the number of supplied poses, one for each cloud file, that were used. ``notes`` are sentences on
+    the input.
     """
 
     scans: int = 0
@@ -32,7 +32,7 @@ class Fusions:
     notes: list[str] = field(default_factory=list)
 
     def count(self, fused: Fused) -> None:
-        """Add what one scan did."""
+        """Add the counts of one scan."""
         self.scans += 1
         self.used += fused.used
 
@@ -53,12 +53,12 @@ def fuse_all(
     progress: Callable[[float], None] | None = None,
     is_cancelled: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
+    """Update a map with all scans of a depth folder, a cloud, a scan graph or a recording with clouds.
 
-    ``topic`` to ``offset`` are as in :func:`mapper.volume.scans.sources.open_source`;
-    ``progress`` is called with the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
-    :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` where the place of a
-    sensor is not known and where nothing was used.
+    ``topic`` to ``offset`` are as in :func:`mapper.volume.scans.sources.open_source`; ``progress`` is called with the
+    fraction of the scans, 0 to 1, if their number is known. Raises the errors of the readers,
+    :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` if a sensor position
+    is unknown or nothing was used.
     """
     before, scans = into.used, into.scans
 

@@ -1,7 +1,7 @@
-"""Truncated signed distances as the papers describe them: all voxels at once for an image, one by one along a beam.
+"""Truncated signed distances as in the papers: all voxels at once for an image, one by one along a beam.
 
-Voxels are named by keys as in :mod:`mapper.volume.occupancy.textbook`. Numbers of images are float32, as in the kernel,
-so that the pixel in which a voxel is seen is the same one.
+Voxels are identified by keys as in :mod:`mapper.volume.occupancy.textbook`. Image computations are in float32, as in
+the kernel, so that voxels project to the same pixels.
 
 Source: Curless & Levoy, A volumetric method for building complex models from range images, SIGGRAPH 1996, section 3;
 Newcombe et al., KinectFusion, ISMAR 2011, section 3.3.
@@ -19,7 +19,7 @@ from mapper.sensors.camera import Intrinsics
 from mapper.volume.occupancy.textbook import CENTRE, Key
 from mapper.volume.surface.parameters import TsdfConfig
 
-Surface = dict[Key, tuple[np.float32, np.float32]]  #: distance, metres, and weight of the voxels that are known
+Surface = dict[Key, tuple[np.float32, np.float32]]  #: distance, metres, and weight of known voxels
 
 
 def pixels_of(
@@ -27,7 +27,7 @@ def pixels_of(
 ) -> tuple[Float32Array, Float32Array, Float32Array]:
     """Return the columns, rows and depths (n,) of voxels' centres in an image.
 
-    The first voxel of a block of 8³ is placed in float64, the others beside it in float32, as the kernel does.
+    The first voxel of a block of 8³ is computed in float64, the others relative to it in float32, as in the kernel.
     """
     project = np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1]]) @ pose[:3, :3].T
     first = keys // 8 * 8
@@ -44,9 +44,9 @@ def fuse_depth(
 ) -> None:  # fmt: skip
     """Update the distances (n,) and weights (n,) of voxels by a depth image (height, width), metres.
 
-    ``pose`` (4, 4) is ``T_map_camera``. A voxel's distance is the depth of the pixel in which its centre is seen, less
-    its own depth. If it is greater than the truncation, the voxel is updated as free, where ``config.carve`` and its
-    block of 8³ has a voxel within the truncation of this surface or a known one.
+    ``pose`` (4, 4) is ``T_map_camera``. A voxel's distance is the depth of the pixel of its centre minus its own depth.
+    If it is greater than the truncation, the voxel is updated as free if ``config.carve`` is set and its block of 8³
+    has a voxel within the truncation of this surface or a known one.
     """
     band = config.band
     with np.errstate(all="ignore"):
@@ -76,10 +76,10 @@ def weight_of(distance: Float32Array, inverse_depth: Float32Array, config: TsdfC
 
 
 def fuse_points(surface: Surface, points: Float64Array, origin: Float64Array, config: TsdfConfig) -> None:
-    """Update a map by the points (n, 3) that a sensor at ``origin`` (3,) measured, metres, one beam after the other.
+    """Update a map by the points (n, 3) measured by a sensor at ``origin`` (3,), metres, beam by beam.
 
-    A voxel that a beam passes takes its distance to the beam's end along the beam, farther before it than the
-    truncation as in :func:`fuse_depth`, with the blocks of all these beams.
+    A voxel passed by a beam gets its distance to the beam's end along the beam; beyond the truncation as in
+    :func:`fuse_depth`, with the blocks of all these beams.
     """
     blocks = {(x // 8, y // 8, z // 8) for x, y, z in surface}
     for is_update in (False, True):  # the blocks come first
@@ -92,7 +92,7 @@ def fuse_points(surface: Surface, points: Float64Array, origin: Float64Array, co
 
 
 def update(surface: Surface, key: Key, distance: float, length: float, config: TsdfConfig) -> None:
-    """Update a voxel by one measurement at a signed distance, of a beam of a length, metres."""
+    """Update a voxel by one measurement at a signed distance, for a beam of a length, metres."""
     band = float(config.band)
     old, sure = surface.get(key, (np.float32(0.0), np.float32(0.0)))
     base = 1.0 / (length * length) if config.weighting == "inverse_square" else 1.0
@@ -105,7 +105,7 @@ def update(surface: Surface, key: Key, distance: float, length: float, config: T
 def passed_voxels(points: Float64Array, origin: Float64Array, config: TsdfConfig) -> Iterator[tuple[Key, float, float]]:
     """Yield the voxels that beams pass, with their signed distance and the beam's length, metres.
 
-    They begin at the sensor if ``config.carve``, else before the end, and stop behind it by the truncation.
+    They start at the sensor if ``config.carve``, else before the end, and stop behind the end at the truncation.
     """
     band, resolution = float(config.band), config.resolution
     start = origin / resolution + CENTRE - 0.5  # in keys: the centre of the voxel of key k is at k
@@ -123,15 +123,12 @@ def passed_voxels(points: Float64Array, origin: Float64Array, config: TsdfConfig
 
 
 def dot(a: Float64Array, b: Float64Array) -> float:
-    """Return the scalar product of two vectors (3,), added in their order."""
+    """Return the scalar product of two vectors (3,), summed in order."""
     return float(a[0]) * float(b[0]) + float(a[1]) * float(b[1]) + float(a[2]) * float(b[2])
 
 
 def voxels_along(start: Float64Array, line: Float64Array) -> list[Key]:
-    """Return the voxels that ``line`` (3,) from ``start`` (3,), in keys, passes, in turn.
-
-    Source: Amanatides & Woo, A fast voxel traversal algorithm for ray tracing, 1987.
-    """
+    """Return the voxels passed by ``line`` (3,) from ``start`` (3,), in keys, in order."""
     key = [math.floor(c + 0.5) for c in start]
     steps, first, apart = [0, 0, 0], [math.inf] * 3, [math.inf] * 3
     for axis in range(3):

@@ -1,4 +1,4 @@
-"""Truncated signed distances to surfaces: depth images and clouds fused in the voxels near what they see.
+"""Truncated signed distance field: depth images and clouds fused in the voxels near the surfaces.
 
 Source: Curless & Levoy, A volumetric method for building complex models from range images, SIGGRAPH 1996; Newcombe et
 al., KinectFusion: real-time dense surface mapping and tracking, ISMAR 2011. Blocks as in Nießner et al., 2013.
@@ -26,21 +26,23 @@ from mapper.volume.kernels.types import Box, DepthView, Fusion
 from mapper.volume.surface.parameters import TsdfConfig
 
 CENTRE = KEYS // 2
-_SHARE = 64  # blocks from which a second thread is worth its start
-_FIRST_ROOM = 8192  # blocks for which there is room at first; memory that is not used yet is only reserved
-_FOUND = 1 << 18  # blocks of beams that are looked up at a time, some of them several times
+_SHARE = 64  # blocks above which a second thread is worthwhile
+_FIRST_ROOM = 8192  # initial capacity in blocks; unused memory is only reserved
+_FOUND = 1 << 18  # blocks of beams processed at a time, with repetitions
 
 
 @dataclass(frozen=True, slots=True)
 class Fused:
-    """Result of a fusion: ``slots`` (n,) of the blocks that changed, ascending; ``used`` pixels or points of it."""
+    """Result of a fusion: ``slots`` (n,) of the changed blocks, ascending, and the number of ``used`` pixels or
+    points.
+    """
 
     slots: Int32Array
     used: int
 
 
 class TsdfVolume:
-    """Signed distances to the nearest surface, positive before it, and weights, of the voxels near surfaces.
+    """Signed distances to the nearest surface, positive in front of it, and weights, of the voxels near surfaces.
 
     The lattice is that of :class:`mapper.volume.occupancy.volume.OccupancyVolume`. A voxel of weight 0 is unknown. A
     block is in the map once it has a voxel within the truncation of a surface. The map does not depend on the number of
@@ -59,17 +61,17 @@ class TsdfVolume:
 
     @property
     def distances(self) -> Float32Array:
-        """The distances (n, 8, 8, 8), z y x, metres, of the blocks in the order of their slots."""
+        """The distances (n, 8, 8, 8), z y x, metres, of the blocks in slot order."""
         return self._distances[: self.blocks.count].reshape(-1, BLOCK, BLOCK, BLOCK)
 
     @property
     def weights(self) -> Float32Array:
-        """The weights (n, 8, 8, 8), z y x, of the blocks in the order of their slots; 0 where unknown."""
+        """The weights (n, 8, 8, 8), z y x, of the blocks in slot order; 0 for unknown."""
         return self._weights[: self.blocks.count].reshape(-1, BLOCK, BLOCK, BLOCK)
 
     @property
     def n_bytes(self) -> int:
-        """Bytes that the map takes: those of its blocks and of the hash."""
+        """Memory of the map in bytes: blocks and hash."""
         blocks = self.blocks.count * (2 * 4 * BLOCK**3 + 8)
         return blocks + self.blocks.table.codes.nbytes + self.blocks.table.slots.nbytes
 
@@ -85,10 +87,10 @@ class TsdfVolume:
     def fuse_depth(self, depth: ArrayLike, camera: Intrinsics, pose: ArrayLike) -> Fused:
         """Update the map by a depth image (height, width), metres along the optical axis; NaN and 0 are no depth.
 
-        ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame. Each voxel takes the depth of the pixel in
-        which its centre is seen, less its own depth. Raises :class:`ConfigError` for an image of another size than the
-        camera's and for an invalid pose, and :class:`LimitError` for an image that needs more memory than the limits
-        allow; the map is then as before.
+        ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame. Each voxel gets the depth of the pixel of its
+        centre minus its own depth. Raises :class:`ConfigError` for an image of another size than the camera's and for
+        an invalid pose, and :class:`LimitError` for an image that needs more memory than the limits allow; the map is
+        then unchanged.
         """
         image = np.ascontiguousarray(depth, dtype=np.float32)
         place = np.asarray(pose, dtype=np.float64)
@@ -135,11 +137,11 @@ class TsdfVolume:
         return Fused(np.sort(slots[touched > 0]), used)
 
     def fuse_points(self, points: ArrayLike, origin: ArrayLike) -> Fused:
-        """Update the map by the points (n, 3) that a sensor at ``origin`` (3,) measured, metres in the map's frame.
+        """Update the map by the points (n, 3) measured by a sensor at ``origin`` (3,), metres in the map's frame.
 
-        A voxel takes the distance along each beam that passes it, in the order of the points. Points that are not
-        finite or whose beam leaves the lattice are left out. Raises :class:`ConfigError` for other shapes and for an
-        origin outside the lattice, and :class:`LimitError`; the map is then as before.
+        A voxel gets the distance along each beam that passes it, in the order of the points. Points that are not finite
+        or whose beam leaves the lattice are ignored. Raises :class:`ConfigError` for other shapes and for an origin
+        outside the lattice, and :class:`LimitError`; the map is then unchanged.
         """
         ends, start = np.asarray(points, dtype=np.float64), np.asarray(origin, dtype=np.float64)
         if ends.ndim != 2 or ends.shape[1] != 3 or start.shape != (3,):
@@ -169,13 +171,13 @@ class TsdfVolume:
         return Fused(np.flatnonzero(touched).astype(np.int32), used)
 
     def set_blocks(self, codes: Int64Array, distances: Float32Array, weights: Float32Array) -> None:
-        """Give the voxels (n, 8, 8, 8) of blocks these distances and weights; the codes (n,) are all different."""
+        """Set the distances and weights of the voxels (n, 8, 8, 8) of blocks; the codes (n,) must be distinct."""
         self._reserve(self.blocks.count + len(codes))
         slots = self.blocks.add(codes)
         self._distances[slots], self._weights[slots] = distances.reshape(-1, BLOCK**3), weights.reshape(-1, BLOCK**3)
 
     def _surface_blocks(self, view: DepthView, fusion: Fusion, far: float) -> Int64Array:
-        """Return the codes of the blocks in which a depth image may have its surface, and some of their neighbours."""
+        """Return the codes of the blocks that may contain a depth image's surface, and some of their neighbours."""
         resolution = self.config.resolution
         u, v = np.meshgrid([-1.0, view.width], [-1.0, view.height])
         edges = view.rays @ np.stack([u.ravel(), v.ravel(), np.ones(4)]) * far
@@ -206,14 +208,14 @@ class TsdfVolume:
         return codes
 
     def _blocks_in_front(self, blocks: Int32Array, view: DepthView, far: float) -> Int32Array:
-        """Return the slots of the map's blocks that the camera may see, without ``blocks``, those at the surface."""
+        """Return the slots of the map's blocks that the camera may see, except ``blocks``, those at the surface."""
         others = np.ones(self.blocks.count, dtype=np.bool_)
         others[blocks[blocks >= 0]] = False
         slots: Int32Array = np.flatnonzero(others).astype(np.int32)
         away = self.blocks.corners[slots] + 0.5 * (BLOCK - 1) - view.origin
         project = np.linalg.inv(view.rays)
         u, v, z = project @ away.T
-        # A block is within this many voxels of its centre.
+        # All points of a block are within this many voxels of its centre.
         reach = 0.5 * BLOCK * math.sqrt(3.0)
         wide, tall = reach * np.linalg.norm(project[:2], axis=1)
         deep = reach * self.config.resolution
@@ -224,7 +226,7 @@ class TsdfVolume:
         return np.compress(seen, slots)
 
     def _beam_blocks(self, start: Float64Array, ends: Float64Array, fusion: Fusion) -> Int64Array:
-        """Return the codes of the blocks that the bands of beams pass, ascending."""
+        """Return the codes of the blocks that the truncation bands of beams pass, ascending."""
         resolution = self.config.resolution
         of_a_beam = 3 * (math.ceil(2.0 * float(fusion.truncation) / resolution / BLOCK) + 3)
         codes = np.empty(0, dtype=np.int64)
@@ -237,7 +239,7 @@ class TsdfVolume:
         return codes
 
     def _reserve(self, count: int) -> None:
-        """Have room for ``count`` blocks, those that are not in the map all 0. Raises :class:`LimitError`."""
+        """Reserve room for ``count`` blocks; those not in the map are 0. Raises :class:`LimitError`."""
         self._check_count(count)
         if count > len(self._distances):
             n = min(max(count, 2 * len(self._distances), _FIRST_ROOM), self._most_blocks)
@@ -255,7 +257,9 @@ class TsdfVolume:
             )
 
     def _keep(self, codes: Int64Array, rows: Int32Array, first: int, n_new: int) -> None:
-        """Add blocks, whose voxels are in ``rows`` from ``first`` on; the others of these ``n_new`` are 0 again."""
+        """Add the blocks whose voxels are in ``rows`` from ``first`` on, and reset the others of these ``n_new`` to
+        0.
+        """
         n = len(codes)
         moved = rows != first + np.arange(n)
         to = first + np.flatnonzero(moved)
@@ -266,14 +270,14 @@ class TsdfVolume:
 
 
 def voxel_offsets(project: Float64Array, resolution: float) -> Float32Array:
-    """Return u z, v z and z (3, 512) of the voxels of a block, z y x, less those of its first, in float32.
+    """Return u z, v z and z (3, 512) of the voxels of a block, z y x, relative to its first voxel, in float32.
 
-    ``project`` (3, 3) takes metres in the axes of the map to u z, v z and z, pixels and metres.
+    ``project`` (3, 3) maps metres along the map's axes to u z, v z and z, pixels and metres.
     """
     z, y, x = np.indices((BLOCK, BLOCK, BLOCK)).reshape(3, -1)
     return (project @ np.stack([x, y, z]) * resolution).astype(np.float32)
 
 
 def _corners(codes: Int64Array) -> Int64Array:
-    """Return the keys (n, 3), x y z, of the first voxels of blocks by their codes."""
+    """Return the keys (n, 3), x y z, of the first voxels of the blocks with these codes."""
     return np.stack([codes & 0x1FFF, codes >> 13 & 0x1FFF, codes >> 26], axis=1) * BLOCK

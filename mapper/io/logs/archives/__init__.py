@@ -1,1 +1,1 @@
-"""The bytes of a log's file: of a member of an archive, packed or plain, in pieces and with caps."""
+"""Access to the bytes of a log file, in an archive or not, compressed or plain, in pieces and with limits."""

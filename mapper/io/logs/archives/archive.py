@@ -1,10 +1,10 @@
-"""The files in a tar archive, each read in place: nothing is unpacked, and no name in it is ever a path.
+"""Files in a tar archive, read in place: nothing is unpacked, and no name in it is used as a path.
 
 Source: POSIX.1-2017, pax (the ustar format, and the record ``path`` of its extended headers); the GNU tar manual (long
-names, numbers to the base 256). Of everything else that an archive may hold, as links, nothing is made.
+names, base-256 numbers). Other contents of archives, such as links, are ignored.
 
-Python's own ``tarfile`` is not used: it takes a name of any length into memory, calls itself for every record of a name
-(thousands of them end in RecursionError) and seeks to wherever a false size points, backwards too.
+Python's ``tarfile`` is not used: it reads names of any length into memory, calls itself for every record of a name
+(thousands of them end in RecursionError) and seeks to wherever a false size points, also backwards.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
 MAGIC, MAGIC_AT = b"ustar", 257
 BLOCK = 512
-MAX_NAME_BYTES = 1 << 14  #: of a name that has a record of its own
-HEAD_BYTES = 1 << 18  #: of a file in a packed archive, which are kept
+MAX_NAME_BYTES = 1 << 14  #: of a name with a separate record
+HEAD_BYTES = 1 << 18  #: cached per file of a compressed archive
 REGULAR, WITHOUT_DATA, LONG_NAME, EXTENDED = b"0\x007", b"123456", b"L", b"x"
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A file in an archive: ``size`` bytes of the file ``archive``, from ``at`` on. Opened as a path is.
+    """A file in an archive: ``size`` bytes of the file ``archive``, starting at ``at``. Opened like a path.
 
-    ``unpacked`` opens what a packed archive expands to, where ``at`` is a place in that; None: it is not packed.
-    ``head`` are then its first bytes: to read them again, the archive would be decompressed up to them again.
-    ``journal`` is the write-ahead log that SQLite left beside it, named as it is and ``-wal``.
+    ``unpacked`` opens the decompressed archive, in which ``at`` is then an offset; None: it is not compressed. ``head``
+    are then its first bytes, because reading them again would decompress the archive up to them. ``journal`` is
+    SQLite's write-ahead log next to it, with the same name plus ``-wal``.
     """
 
     name: str
@@ -48,17 +48,17 @@ class Member:
     journal: Member | None = field(default=None, compare=False, repr=False)
 
     def open(self, mode: Literal["rb"] = "rb") -> BinaryIO:
-        """Return its bytes as a file. Raises :class:`OSError`."""
+        """Open its bytes as a file. Raises :class:`OSError`."""
         file = self.archive.open(mode) if self.unpacked is None else self.unpacked(self.archive)
         window: io.RawIOBase = _Window(file, self.at, self.size)
         return io.BufferedReader(window)
 
 
-Source = Path | Member  #: a file that a reader opens
+Source = Path | Member  #: a file that a reader can open
 
 
 class _Window(io.RawIOBase):
-    """Bytes of an open file, which it closes in the end."""
+    """A byte range of an open file, which it closes at the end."""
 
     def __init__(self, file: BinaryIO, at: int, size: int) -> None:
         self._file, self._begin, self._size = file, at, size
@@ -88,21 +88,21 @@ class _Window(io.RawIOBase):
 
 
 class _NoHeaderError(Exception):
-    """The bytes are no header."""
+    """The bytes are not a header."""
 
 
 def is_tar(head: bytes) -> bool:
-    """Return whether a file that begins with ``head`` is a tar archive."""
+    """Return whether a file that starts with ``head`` is a tar archive."""
     return head.startswith(MAGIC, MAGIC_AT)
 
 
 def members(
     archive: Path, limits: Limits, unpacked: Callable[[Path], BinaryIO] | None = None
 ) -> tuple[list[Member], list[str]]:
-    """Return the files in an archive in its order, without hidden ones, and what is to be noted of its end.
+    """Return the files in an archive in order, except hidden ones, and notes on its end.
 
-    ``unpacked`` opens what a packed archive expands to; its errors are raised as they are.
-    Raises :class:`ReadError` for a file that cannot be read and :class:`LimitError` for too many files.
+    ``unpacked`` opens the decompressed archive; its errors are passed on. Raises :class:`ReadError` for an unreadable
+    file and :class:`LimitError` for too many files.
     """
     listed: list[Member] = []
     with archive.open("rb") if unpacked is None else unpacked(archive) as file:
@@ -145,7 +145,7 @@ def _with_journals(members: list[Member]) -> list[Member]:
 
 
 def _header(header: bytes) -> tuple[bytes, int, str]:
-    """Return a header's kind, the bytes that follow it, and the name. Raises :class:`_NoHeaderError`."""
+    """Return a header's kind, the size of the following data, and the name. Raises :class:`_NoHeaderError`."""
     if _number(header[148:156]) != sum(header) - sum(header[148:156]) + 8 * ord(" "):
         raise _NoHeaderError
     name = header[:100].split(b"\0", 1)[0]
@@ -163,7 +163,7 @@ def _number(field: bytes) -> int:
 
 
 def _long_name(kind: bytes, data: bytes) -> str:
-    """Return the name that a record of its own states for the file after it; "" where it states none."""
+    """Return the name that a separate record states for the next file; "" if it states none."""
     if kind == LONG_NAME:
         return data.split(b"\0", 1)[0].decode("utf-8", "replace")
     _, _, path = data.partition(b" path=")  # other records may come before it

@@ -1,6 +1,6 @@
-"""Sequential reading of a binary log, plain, gzip or Zstandard, with memory bounded by the bytes that exist.
+"""Sequential reading of a binary log, plain, gzip or Zstandard, with memory bounded by the existing bytes.
 
-Of a plain file what is skipped is not read; packed data has to be unpacked up to where it is skipped to.
+Skipped bytes of a plain file are not read; compressed data has to be decompressed up to the target.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from mapper.io.logs.archives.inflate import ZSTD_MAGIC
 from mapper.io.logs.archives.unpacking import GZIP_MAGIC, PIECE, Progress, Unpacked, opened
 
 FIRST_PIECE = 1 << 14  #: bytes read after a jump; each further piece is twice as long, up to PIECE
-WORTH_A_JUMP = 1 << 15  #: bytes: fewer are read through, so that checksums over them can be checked
+WORTH_A_JUMP = 1 << 15  #: bytes: shorter gaps are read through, so that checksums over them can be verified
 
 
 class _Plain:
-    """The pieces of a file that is not packed, from any place on."""
+    """The pieces of an uncompressed file from any offset."""
 
     def __init__(self, file: BinaryIO, progress: Progress | None) -> None:
         self._file, self._progress = file, progress
@@ -31,7 +31,7 @@ class _Plain:
         self._next_bytes = FIRST_PIECE
 
     def piece(self) -> bytes:
-        """Return the next bytes; none at the end. Raises :class:`ReadError` for a disk that fails."""
+        """Return the next bytes; empty at the end. Raises :class:`ReadError` for disk errors."""
         piece = self.bytes_at(self._at, self._next_bytes)
         self._next_bytes = min(2 * self._next_bytes, PIECE)
         self._at += len(piece)
@@ -39,7 +39,7 @@ class _Plain:
         return piece
 
     def bytes_at(self, at: int, n: int) -> bytes:
-        """Return ``n`` bytes from a place on, fewer at the end. Raises :class:`ReadError` for a disk that fails."""
+        """Return ``n`` bytes from an offset, fewer at the end. Raises :class:`ReadError` for disk errors."""
         try:
             self._file.seek(at)
             return self._file.read(n)
@@ -49,7 +49,7 @@ class _Plain:
             ) from error
 
     def skip(self, n: int) -> int:
-        """Pass over ``n`` bytes; return how many there were."""
+        """Skip ``n`` bytes; return how many there were."""
         done = min(n, self.size - self._at)
         self._at += done
         self._next_bytes = FIRST_PIECE
@@ -62,14 +62,14 @@ class _Plain:
 
 
 class ByteStream:
-    """Reads forward. ``at`` is the offset in the log (after decompression).
+    """Reads forward. ``at`` is the offset in the decompressed log.
 
-    ``crc`` is the CRC-32 of all bytes up to there, None once some were skipped unread.
+    ``crc`` is the CRC-32 of all bytes so far, None once some were skipped unread.
     """
 
     def __init__(self, file: BinaryIO, limits: Limits, progress: Progress | None = None) -> None:
         plain = _Plain(file, progress)
-        self.file_size = plain.size  #: as it is on the disk
+        self.file_size = plain.size  #: on disk
         self._plain: _Plain | None = plain
         self._unpacked: Unpacked | None = None
         self._pieces: Iterator[bytes] = iter(())
@@ -79,13 +79,13 @@ class ByteStream:
             self._pieces = iter(self._unpacked)
         self._limits = limits
         self._held = b""
-        self._start = 0  #: of what is not yet read in ``_held``
+        self._start = 0  #: of the unread part of ``_held``
         self.at = 0
         self.crc: int | None = 0
 
     @property
     def notes(self) -> list[str]:
-        """Notes on damage found in the packed data so far."""
+        """Notes on damage found in the compressed data so far."""
         if self._unpacked is None or self._unpacked.broken != "is damaged":
             return []
         return [
@@ -94,13 +94,13 @@ class ByteStream:
 
     @property
     def can_jump(self) -> bool:
-        """Whether bytes can be skipped without reading them, and looked at ahead."""
+        """Whether bytes can be skipped without reading them, and read ahead."""
         return self._plain is not None
 
     def read(self, n: int) -> bytes:
-        """Return the next ``n`` bytes, fewer at the end. Raises :class:`LimitError` for more than one record may have.
+        """Return the next ``n`` bytes, fewer at the end. Raises :class:`LimitError` for more than a record may have.
 
-        Memory grows with what is there, not with ``n``.
+        Memory grows with the available data, not with ``n``.
         """
         if self._start + n <= len(self._held):  # most reads are small
             data = self._held[self._start : self._start + n]
@@ -139,7 +139,7 @@ class ByteStream:
         )
 
     def skip(self, n: int) -> int:
-        """Pass over ``n`` bytes; return how many there were. Of a plain file many bytes are not read."""
+        """Skip ``n`` bytes; return how many there were. Long gaps in a plain file are not read."""
         buffered = len(self._held) - self._start
         if self._plain is not None and n - buffered >= WORTH_A_JUMP:
             self._held, self._start = b"", 0
@@ -156,14 +156,14 @@ class ByteStream:
         return done
 
     def ahead(self, skipped: int, n: int) -> bytes:
-        """Return ``n`` bytes, fewer at the end, behind the next ``skipped`` ones; of packed data none."""
+        """Return ``n`` bytes, fewer at the end, after the next ``skipped`` ones; none for compressed data."""
         return b"" if self._plain is None else self._plain.bytes_at(self.at + skipped, n)
 
 
 class Section:
     """The next ``left`` bytes of a stream.
 
-    ``crc`` is the CRC-32 of those that were read so far, None once some were skipped unread.
+    ``crc`` is the CRC-32 of the bytes read so far, None once some were skipped unread.
     """
 
     def __init__(self, stream: ByteStream, size: int) -> None:
@@ -172,7 +172,7 @@ class Section:
         self.crc: int | None = 0
 
     def read(self, n: int) -> bytes:
-        """Return the next ``n`` bytes, fewer where the section or the stream ends, as :meth:`ByteStream.read`."""
+        """Return the next ``n`` bytes, fewer at the end of the section or stream, like :meth:`ByteStream.read`."""
         data = self._stream.read(min(n, self.left))
         self.left -= len(data)
         if self.crc is not None:
@@ -180,7 +180,7 @@ class Section:
         return data
 
     def skip(self, n: int) -> int:
-        """Pass over ``n`` bytes; return how many there were."""
+        """Skip ``n`` bytes; return how many there were."""
         if n < WORTH_A_JUMP:
             return len(self.read(n))
         done = self._stream.skip(min(n, self.left))
@@ -193,7 +193,7 @@ class Section:
 def byte_stream(path: Source, limits: Limits, progress: Progress | None = None) -> Iterator[ByteStream]:
     """Open the log at ``path``.
 
-    Reading raises :class:`ReadError` for damaged packed data, or a disk that fails, and :class:`LimitError` for packed
+    Reading raises :class:`ReadError` for damaged compressed data or disk errors, and :class:`LimitError` for compressed
     data that expands to more than ``limits`` allow.
     """
     with opened(path) as file:

@@ -1,7 +1,7 @@
-"""Compressed data taken apart as streams, with a cap on the output: sizes in frame headers are not trusted.
+"""Streaming decompression with a limit on the output: sizes in frame headers are not trusted.
 
-zstandard's own cap is ignored where a frame declares a size, and the one-call functions of bz2 and lz4 have none, so
-each is driven piece by piece here.
+zstandard's own limit is ignored if a frame declares a size, and the one-call functions of bz2 and lz4 have none, so
+each is called piece by piece here.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from mapper.core.errors import LimitError, ReadError
 
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 PIECE = 1 << 20
-MAX_WINDOW = 1 << 27  #: bytes: what `zstd --long` uses; a frame may ask for terabytes
+MAX_WINDOW = 1 << 27  #: bytes: the window of `zstd --long`; a frame may request terabytes
 
 
 _DECOMPRESSORS = {"bz2": bz2.BZ2Decompressor, "lz4": lz4.frame.LZ4FrameDecompressor}
@@ -24,7 +24,7 @@ KINDS = frozenset({"zstd", *_DECOMPRESSORS})
 
 
 def inflate(kind: str, data: bytes, most: int, what: str) -> tuple[bytes, bool]:
-    """Return what ``data`` holds, and whether its end was reached: data that was cut gives what came before the cut.
+    """Decompress ``data``, and return whether its end was reached; cut data yields the part before the cut.
 
     ``kind`` is one of :data:`KINDS`; ``what`` names the data in errors. Raises :class:`LimitError` as soon as there are
     more than ``most`` bytes, and :class:`ReadError` for damaged data.

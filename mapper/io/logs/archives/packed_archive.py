@@ -1,7 +1,7 @@
-"""The files in a tar archive, plain or packed with gzip or Zstandard, each read in place.
+"""Files in a tar archive, plain or compressed with gzip or Zstandard, read in place.
 
-Of a packed archive nothing is written to a disk either: a file in it is read by decompressing the archive up to it, in
-pieces. To go back means to decompress from the beginning again, so what reads such a file goes forwards.
+Nothing is written to disk for a compressed archive either: a file in it is read by decompressing the archive up to it,
+in pieces. Seeking backwards means decompressing from the beginning again, so readers go forwards.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
     from _typeshed import WriteableBuffer as Buffer
 
-MOST_PACKED_FILES = 64  #: whose first bytes are kept; for each that is read, the archive is decompressed up to it
+MOST_PACKED_FILES = 64  #: files whose first bytes are cached; the archive is decompressed up to each file read
 
 
 def archive_members(path: Path, limits: Limits) -> tuple[list[Member], list[str]] | None:
-    """Return the files in the archive at ``path`` and what is to be noted of its end; None for what is no archive.
+    """Return the files in the archive at ``path`` and notes on its end; None if it is not an archive.
 
-    Raises as :func:`members` and, of packed data, as :class:`Unpacked`.
+    Raises the errors of :func:`members` and, for compressed data, of :class:`Unpacked`.
     """
     packed = _is_packed(path)
     if packed is None:
@@ -50,18 +50,18 @@ def archive_members(path: Path, limits: Limits) -> tuple[list[Member], list[str]
 
 
 def is_archive(path: Path) -> bool:
-    """Return whether there is a tar archive, plain or packed, at ``path``. Raises as :func:`archive_members`."""
+    """Return whether ``path`` is a tar archive, plain or compressed. Raises the errors of :func:`archive_members`."""
     return _is_packed(path) is not None
 
 
 def unpacked_file(path: Path, limits: Limits) -> BinaryIO:
-    """Return what the packed file at ``path`` expands to, as a file. Raises :class:`ReadError`."""
+    """Return the decompressed contents of the file at ``path``, as a file. Raises :class:`ReadError`."""
     raw: io.RawIOBase = _UnpackedFile(path, limits)
     return io.BufferedReader(raw)
 
 
 def _is_packed(path: Path) -> bool | None:
-    """Return whether the archive at ``path`` is packed; None for what is no archive."""
+    """Return whether the archive at ``path`` is compressed; None if it is not an archive."""
     with opened(path) as file:
         head = file.read(BLOCK)
     if is_tar(head):
@@ -73,11 +73,11 @@ def _is_packed(path: Path) -> bool | None:
 
 
 class _UnpackedFile(io.RawIOBase):
-    """What a packed file expands to, up to where it is damaged."""
+    """The decompressed contents of a file, up to any damage."""
 
     def __init__(self, path: Path, limits: Limits) -> None:
         self._path, self._limits = path, limits
-        self._at = 0  #: where the next byte is read
+        self._at = 0  #: offset of the next byte
         self._begin()
 
     def _begin(self) -> None:

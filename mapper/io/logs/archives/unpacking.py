@@ -1,6 +1,6 @@
-"""The bytes of a log's file from front to back, in pieces: as they are, or taken out of gzip or Zstandard.
+"""Bytes of a log file from start to end, in pieces: plain, or decompressed from gzip or Zstandard.
 
-Source: RFC 1952 (a gzip file may be several members, one after the other, and padded with zeros); RFC 8878 (Zstandard).
+Source: RFC 1952 (a gzip file may consist of several members and be padded with zeros); RFC 8878 (Zstandard).
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.archives.inflate import MAX_WINDOW, ZSTD_MAGIC
 
 GZIP_MAGIC = b"\x1f\x8b"
-PIECE = 1 << 18  #: bytes read, and bytes decompressed, at a time
+PIECE = 1 << 18  #: bytes read or decompressed at a time
 
-Progress = Callable[[float], None]  #: called now and then with the share of the file that has been read, 0 … 1
+Progress = Callable[[float], None]  #: called from time to time with the fraction of the file read, 0 to 1
 
 
 def part_of(progress: Progress | None, done: int, of: int) -> Progress | None:
-    """Return the progress of the next of ``of`` files, of which ``done`` are done."""
+    """Return the progress callback for the next of ``of`` files, of which ``done`` are done."""
     return None if progress is None else lambda share: progress((done + share) / of)
 
 
 def opened(path: Source) -> BinaryIO:
-    """Open a file for reading. Raises :class:`ReadError` if it is missing or may not be read."""
+    """Open a file for reading. Raises :class:`ReadError` if it is missing or not readable."""
     try:
         return path.open("rb")
     except FileNotFoundError as error:
@@ -43,12 +43,12 @@ def opened(path: Source) -> BinaryIO:
 class Unpacked:
     """The pieces of one open file; iterate once. None is empty or longer than ``PIECE``.
 
-    ``packing`` is what the file is packed with, "gzip" or "zstd", or None. ``broken`` says afterwards what is wrong
-    with the packed data, "ends early" or "is damaged", or None: the pieces are what comes out before. Where nothing
-    tells of it before a checksum does, they are all, and wrong in places. Of Zstandard data that does not state its
-    size it cannot be detected that it ends early. ``where`` is asked in which place of the log an error comes. Raises
-    :class:`ReadError` for packed data of which nothing comes out and for a disk that fails, and :class:`LimitError`
-    for packed data that expands to more than ``limits`` allow.
+    ``packing`` is the compression, "gzip" or "zstd", or None. ``broken`` is afterwards the damage in the compressed
+    data, "ends early" or "is damaged", or None. The pieces are then the output before the damage; if only the checksum
+    reveals it, they are complete but wrong in places. An early end cannot be detected for Zstandard data without a
+    stated size. ``where`` returns the position in the log for error messages. Raises :class:`ReadError` for compressed
+    data without output and for disk errors, and :class:`LimitError` for compressed data that expands to more than
+    ``limits`` allow.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class Unpacked:
                 yield piece
                 data = stream.unconsumed_tail
             data = stream.unused_data if stream.eof else b""
-        # What decompress() kept back because of PIECE still has to come out.
+        # Output held back by decompress() because of PIECE must still be read.
         while not stream.eof and (piece := stream.decompress(b"", PIECE)):
             yield piece
         self.broken = None if stream.eof else "ends early"
@@ -136,18 +136,18 @@ class Unpacked:
             cast("IO[bytes]", _Readable(first, raw)), read_across_frames=True
         )
         done = 0
-        while piece := stream.read1(PIECE):  # no more than is there, of which the rest may be damaged
+        while piece := stream.read1(PIECE):  # no more than is available, because the rest may be damaged
             done += len(piece)
             yield piece
         self.broken = "ends early" if done < stated or done == 0 != stated else None
 
 
 def _up_to_the_damage(stream: zlib._Decompress, data: bytes) -> Iterator[bytes]:
-    """Yield what can be decompressed of ``data`` before the error in it."""
+    """Yield the decompressed part of ``data`` before the error in it."""
     out = bytearray()
     with contextlib.suppress(zlib.error):
         for at in range(len(data)):
-            out += stream.decompress(data[at : at + 1])  # of a call that fails, all would be lost
+            out += stream.decompress(data[at : at + 1])  # a failing call would lose all of its output
             if len(out) > PIECE // 2:
                 yield bytes(out)
                 out.clear()
@@ -155,7 +155,7 @@ def _up_to_the_damage(stream: zlib._Decompress, data: bytes) -> Iterator[bytes]:
 
 
 class _Readable:
-    """Pieces as the file that zstandard reads from."""
+    """The pieces as a file object for zstandard."""
 
     def __init__(self, first: bytes, pieces: Iterator[bytes]) -> None:
         self._pieces = pieces

@@ -1,1 +1,1 @@
-"""Readers of the files that recordings are kept in: ROS 1 bags, SQLite bags of ROS 2, MCAP."""
+"""Readers of recording containers: ROS 1 bags, SQLite bags of ROS 2, MCAP."""

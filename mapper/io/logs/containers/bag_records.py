@@ -1,4 +1,4 @@
-"""The records of ROS 1 bags: ``<header length> <header> <data length> <data>``, a header being fields name=value.
+"""Records of ROS 1 bags: ``<header length> <header> <data length> <data>``, with name=value fields in the header.
 
 Source: wiki.ros.org/Bags/Format/2.0.
 """
@@ -24,7 +24,7 @@ class CutError(Exception):
 
 
 class DamagedError(Exception):
-    """The data is no record."""
+    """The data is not a record."""
 
 
 def fields_of(header: bytes) -> Fields:
@@ -45,7 +45,7 @@ def fields_of(header: bytes) -> Fields:
 
 
 def records(data: bytes, at: int = 0) -> Iterator[tuple[Fields, bytes]]:
-    """Yield the records in ``data`` from a place on. Raises :class:`CutError` where it ends within one."""
+    """Yield the records in ``data`` from an offset on. Raises :class:`CutError` if it ends within one."""
     while at < len(data):
         if at + 4 > len(data):
             raise CutError
@@ -65,7 +65,7 @@ def records(data: bytes, at: int = 0) -> Iterator[tuple[Fields, bytes]]:
 
 
 def connection_of(fields: Fields) -> int | None:
-    """Return the connection that a record is of, None where it does not say."""
+    """Return the connection of a record, None if not stated."""
     connection = fields.get(b"conn", b"")
     return int(U32.unpack(connection)[0]) if len(connection) == 4 else None
 
@@ -77,7 +77,7 @@ def time_ns(stated: bytes) -> int:
 
 
 def topic_and_type(fields: Fields, content: bytes) -> tuple[str, str]:
-    """Return what a connection's record states. Raises :class:`DamagedError`."""
+    """Return topic and type from a connection record. Raises :class:`DamagedError`."""
     stated = fields_of(content)
     topic, kind = stated.get(b"topic", fields.get(b"topic", b"")), stated.get(b"type", b"")
     return topic.decode("utf-8", "replace"), kind.decode("utf-8", "replace")

@@ -1,4 +1,4 @@
-"""Recordings: the files that messages are kept in, and the log of one of them, or of all that it was split into."""
+"""Recording containers, and the log of one file or of all files of a split recording."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from mapper.io.logs.selection import Selection
 from mapper.sensors.robot_log import RobotLog
 
 MAX_NOTES = 20
-NO_SENSOR = "\0"  #: what no topic is named
+NO_SENSOR = "\0"  #: a name that no topic has
 
 
 @dataclass(frozen=True, slots=True)
 class Container:
-    """A format of recordings: its name, and what hands the messages of one file over."""
+    """A container format: its name, and a function that passes on the messages of one file."""
 
     form: str
     take: Callable[[Source, MessageSink, Limits, Progress | None], None]
@@ -37,11 +37,10 @@ class Container:
         *,
         also: MessageSink | None = None,
     ) -> RobotLog:
-        """Return the recording in ``file`` as the log of the sensors that are selected; see :class:`Recording`.
+        """Return the recording in ``file`` as the log of the selected sensors; see :class:`Recording`.
 
-        ``also`` takes the messages in the same pass.
-        Of a file that is cut or damaged, what could be read, and notes that say what is missing. Raises
-        :class:`ReadError` where there is no scan, and :class:`LimitError`.
+        ``also`` receives the messages in the same pass. For a cut or damaged file, this is the readable part, with
+        notes on what is missing. Raises :class:`ReadError` if there is no scan, and :class:`LimitError`.
         """
         recording = Recording(limits, selection)
         self.take(file, _with(recording, also), limits, progress)
@@ -58,10 +57,10 @@ class Container:
         also: MessageSink | None = None,
         by_name: bool = False,
     ) -> RobotLog:
-        """Return the recording ``name`` that was split into ``files``, in the order of their numbers, as one log.
+        """Return the recording ``name``, split into ``files`` in the order of their numbers, as one log.
 
-        Files of which nothing can be read are left out, and noted. Raises as :meth:`read`, and with ``by_name``, where
-        nothing but their names says that they belong together, also where they have no topic in common.
+        Unreadable files are skipped, with a note. Raises the errors of :meth:`read`; with ``by_name``, when only their
+        names indicate that they belong together, also if they have no topic in common.
         """
         recording = Recording(limits, selection)
         sink = _with(recording, also)
@@ -103,10 +102,10 @@ class Container:
         trajectory: str | None = None,
         also: MessageSink | None = None,
     ) -> Streams:
-        """Return the point clouds, IMUs and images of a recording by topic; of its messages only poses are read now.
+        """Return the point clouds, IMUs and images of a recording by topic; only poses are read now.
 
-        ``tf`` names the topic of transforms where there are several, ``trajectory`` the poses of clouds; ``also`` takes
-        the messages in the same pass. Raises :class:`ReadError` where the recording has no transforms on that topic.
+        ``tf`` names the topic of transforms if there are several, ``trajectory`` the poses of clouds; ``also`` receives
+        the messages in the same pass. Raises :class:`ReadError` if the recording has no transforms on that topic.
         """
         recording = Recording(limits, Selection((NO_SENSOR,), tf=tf))
         sink = _with(recording, also)
@@ -130,10 +129,10 @@ _BEGUN = re.compile(r"\d{4}(?:-\d{2}){5}\Z")
 
 
 def are_parts_by_name(names: Sequence[str]) -> bool:
-    """Return whether files are numbered from 0 and otherwise of one name, as rosbag2 names a recording's parts.
+    """Return whether files are numbered from 0 and otherwise equally named, like the parts of a rosbag2 recording.
 
-    The rosbag of ROS 1 writes into each name when that part was begun, ``run_2024-01-31-12-00-05_1.bag``, and ends that
-    of one that was not closed in ``.active``.
+    The rosbag of ROS 1 adds the start time of each part to its name, ``run_2024-01-31-12-00-05_1.bag``, and ``.active``
+    if it was not closed.
     """
     closed = [name.removesuffix(".active") for name in names]
     matches = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in closed]
@@ -143,12 +142,12 @@ def are_parts_by_name(names: Sequence[str]) -> bool:
 
 
 def _numbered(name: str) -> list[int | str]:
-    """Return a key to sort names by in which numbers count as numbers: ``run_10`` comes after ``run_2``."""
+    """Return a sort key for names with numeric order: ``run_10`` comes after ``run_2``."""
     return [int(part) if at % 2 else part for at, part in enumerate(re.split(r"([0-9]{1,18})", name))]
 
 
 def _missing(files: Sequence[Source]) -> str:
-    """Return a sentence on the first number that lacks between two files', or nothing."""
+    """Return a sentence on the first missing number between two files, or nothing."""
     numbers = [int(match[1]) for file in files if (match := re.search(r"_([0-9]{1,9})\.", file.name))]
     pairs = pairwise(numbers)
     gap = next((pair for pair in pairs if pair[1] > pair[0] + 1), None) if len(numbers) == len(files) else None

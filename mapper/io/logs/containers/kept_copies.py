@@ -1,4 +1,4 @@
-"""Copies of SQLite files that cannot be read in place, kept from one look-up to the next of the same files."""
+"""Cache of copies of SQLite files that cannot be read in place, for repeated look-ups."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from contextlib import contextmanager
 
 from mapper.io.logs.archives.archive import Member, Source
 
-State = tuple[str | int, ...]  #: what tells a file from others, and from what it was before it was changed
-MOST_BYTES = 4 << 30  #: of all copies that are kept, on the disk for temporary files
+State = tuple[str | int, ...]  #: identifies a file and its state
+MOST_BYTES = 4 << 30  #: of all cached copies, on the disk for temporary files
 
 
 def journal_of(file: Source) -> Source | None:
-    """Return the write-ahead log that SQLite left beside a database, in its folder or archive; None without one."""
+    """Return the write-ahead log next to a database, in its folder or archive; None without one."""
     if isinstance(file, Member):
         return file.journal if file.journal is not None and file.journal.size > 0 else None
     journal = file.with_name(f"{file.name}-wal")
@@ -22,7 +22,7 @@ def journal_of(file: Source) -> Source | None:
 
 
 def state_of(file: Source) -> State:
-    """Return what tells a database and its write-ahead log from others. Raises :class:`OSError`."""
+    """Return the identity of a database and its write-ahead log. Raises :class:`OSError`."""
     journal = journal_of(file)
     return (*_place(file), *(() if journal is None else _place(journal)))
 
@@ -35,9 +35,9 @@ def _place(file: Source) -> State:
 
 
 class KeptCopies:
-    """Connections to copies that have no name any more: what is on the disk goes with the last connection to it.
+    """Connections to unlinked copies, whose disk space is freed with the last connection.
 
-    Those that were used longest ago are closed where all together have more than ``most_bytes``.
+    The least recently used ones are closed if all together exceed ``most_bytes``.
     """
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
@@ -47,14 +47,14 @@ class KeptCopies:
 
     @contextmanager
     def lent(self, file: Source, opened: Callable[[], tuple[sqlite3.Connection, int]]) -> Iterator[sqlite3.Connection]:
-        """Yield the connection to the copy of ``file``, which ``opened`` makes where there is none.
+        """Yield the connection to the copy of ``file``, which ``opened`` creates if there is none.
 
-        ``opened`` returns it with the copy's bytes: 0 for a file that is read in place, of which nothing is kept.
+        ``opened`` returns it with the copy's size in bytes: 0 for a file read in place, which is not cached.
         """
         with self._lock:
             try:
                 state = state_of(file)
-            except OSError:  # whoever opens it says why
+            except OSError:  # reported when the file is opened
                 state = ()
             connection, size = self._kept.pop(state) if state in self._kept else opened()
             is_kept = 0 < size <= self._most_bytes and bool(state)

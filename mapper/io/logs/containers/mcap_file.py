@@ -2,12 +2,12 @@
 
 Source: mcap.dev/spec. After the magic bytes come records ``<opcode u8> <length u64> <content>``; most are in chunks.
 
-Records are read from front to back, each no larger than what is there, and expanded as streams with a cap; the mcap
-library, whose own readers trust every length and expand a chunk in one call, decodes what is in a record.
+Records are read sequentially, each no larger than the available data, and decompressed as streams with a cap. The mcap
+library, whose own readers trust every length and decompress a chunk in one call, decodes the contents of records.
 
-Of a plain file no more is read than the map needs: large messages that nothing is made of are jumped over, in plain
-chunks too, and so are compressed chunks that hold none but such messages, as the indexes behind them say. A checksum is
-checked where all of its bytes were read.
+Only the data that a map needs is read from a plain file: large messages that are not used are skipped, also in plain
+chunks, and so are compressed chunks that contain only such messages according to the indexes after them. A checksum is
+verified if all of its bytes were read.
 """
 
 from __future__ import annotations
@@ -51,15 +51,15 @@ from mapper.io.logs.ros import foxglove
 from mapper.io.logs.ros.ros_messages import plain_type
 
 MAGIC = b"\x89MCAP0\r\n"
-ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
-#: Encodings of schemas with messages of ROS. Some writers leave the schema empty: its name says which type it is.
+ENCODINGS = {"cdr": True, "ros1": False}  #: message encodings → whether it is CDR
+#: Schema encodings of ROS messages. Some writers leave the schema empty; the type is then given by its name.
 SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg", "omgidl", ""})
 
-CALLER = "callerid"  #: metadata of a channel that was a connection of a ROS 1 bag: the node that published it
+CALLER = "callerid"  #: metadata of a channel converted from a ROS 1 connection: the publishing node
 
 MAX_SUMMARY_BYTES = 1 << 24
 MAX_COMPRESSION_NAME = 100  #: bytes
-READ_WHOLE = 1 << 18  #: bytes of a plain chunk up to which it is read in one piece, for its checksum
+READ_WHOLE = 1 << 18  #: maximum size in bytes of a plain chunk that is read in one piece to verify its checksum
 
 
 class _Mcap:
@@ -68,15 +68,15 @@ class _Mcap:
         self.recording = recording
         self.limits = limits
         self.schemas: dict[int, tuple[str, str]] = {}  #: id → name, encoding
-        self.channels: set[int] = set()  #: of which a note was made, if there was any to make
-        self.knows_all_channels = False  #: whether the file's summary was taken
+        self.channels: set[int] = set()  #: channels noted, if there was something to note
+        self.knows_all_channels = False  #: whether the file's summary was read
         self.expanded = 0
         self.most_expanded = limits.unpacked_bytes(stream.file_size)
         self.records = 0
         self.most_records = limits.records(stream.file_size)
 
     def read(self) -> None:
-        """Hand everything to the recording that can be read; note what cannot."""
+        """Pass all readable messages to the recording; note what is unreadable."""
         self.stream.skip(len(MAGIC))
         try:
             while self._record():
@@ -87,10 +87,10 @@ class _Mcap:
             self.recording.notes.append(f"The file is damaged before byte {self.stream.at}: the rest is left out.")
 
     def look_ahead(self, file: BinaryIO) -> None:
-        """Take the schemas and channels that a whole, uncompressed file repeats at its end.
+        """Read the schemas and channels repeated at the end of a complete, uncompressed file.
 
-        They are first in the chunks: without this, a damaged chunk would take all later messages of its channels
-        with it. What is wrong here is no harm: the chunks say it again.
+        They are first in the chunks, so a damaged chunk would otherwise cost all later messages of its channels. Errors
+        here are harmless, because the chunks repeat them.
         """
         size = file.seek(0, os.SEEK_END)
         file.seek(max(0, size - END.size))
@@ -102,7 +102,7 @@ class _Mcap:
             return
         file.seek(start)
         summary = file.read(min(size - start, MAX_SUMMARY_BYTES))
-        # The checksum is that of the summary and of the footer up to where it stands itself.
+        # The checksum covers the summary and the footer up to the checksum itself.
         if stated and len(summary) == size - start and zlib.crc32(summary[:-AFTER_CRC]) != stated:
             self._note("The summary at the file’s end has not the checksum that it states, and is not used.")
             return
@@ -115,7 +115,7 @@ class _Mcap:
                     break
 
     def _record(self) -> bool:
-        """Read one record; return whether more may come: the data ends with its own record."""
+        """Read one record; return whether more may follow. The data ends with a special record."""
         crc = self.stream.crc
         head = self.stream.read(9)
         if len(head) < 9:
@@ -149,7 +149,7 @@ class _Mcap:
         return data
 
     def _message_if_wanted(self, source: ByteStream | Section, size: int) -> bytes | None:
-        """Return a message's record of ``size`` bytes; pass over one that nothing is made of, and count it."""
+        """Return a message record of ``size`` bytes; skip and count it if it is not used."""
         head = source.read(MESSAGE.size)
         if len(head) < MESSAGE.size:
             raise CutError
@@ -168,7 +168,7 @@ class _Mcap:
     # -- chunks -------------------------------------------------------------------------------------------------
 
     def _chunk(self, size: int) -> None:
-        """Read a chunk's record of ``size`` bytes. Raises :class:`CutError` where the file ends in it."""
+        """Read a chunk record of ``size`` bytes. Raises :class:`CutError` if the file ends in it."""
         end = self.stream.at + size
         head = self._chunk_head(size)
         if head is None:
@@ -176,7 +176,7 @@ class _Mcap:
                 raise CutError
             self._note(_damaged_chunk(end - size))
             return
-        more = end - self.stream.at - head.data_bytes  # none, unless a later version of the format adds fields
+        more = end - self.stream.at - head.data_bytes  # 0, unless a later version of the format adds fields
         if not head.compression and self.stream.can_jump and head.data_bytes > READ_WHOLE:
             self._plain_chunk(head)
         elif not (head.compression and self._skipped_by_index(head.data_bytes + more, head.data_bytes)):
@@ -188,7 +188,7 @@ class _Mcap:
             raise CutError
 
     def _chunk_head(self, size: int) -> ChunkHead | None:
-        """Return what a chunk's record of ``size`` bytes states; None where that cannot be."""
+        """Return the header of a chunk record of ``size`` bytes; None if it is impossible."""
         at = self.stream.at
         if size < CHUNK.size + 12:
             return None
@@ -203,9 +203,9 @@ class _Mcap:
         return ChunkHead(at, crc, compression, data_bytes)
 
     def _skipped_by_index(self, ahead: int, data_bytes: int) -> bool:
-        """Jump over a compressed chunk's data, and count its messages, where nothing is made of any of them.
+        """Skip a compressed chunk's data, and count its messages, if none of them is used.
 
-        The message indexes state it, which follow the chunk's record, ``ahead`` bytes from here.
+        That is determined from the message indexes after the chunk record, ``ahead`` bytes from here.
         """
         counts: dict[int, int] = {}
         while (
@@ -227,10 +227,10 @@ class _Mcap:
         return True
 
     def _plain_chunk(self, head: ChunkHead) -> None:
-        """Take what is wanted of a chunk that is not compressed, whose data comes next.
+        """Read the used messages of an uncompressed chunk, whose data comes next.
 
-        Where all of it was read its checksum is checked, and nothing of a damaged one is taken. Channels are taken at
-        once, as they say which messages are read.
+        If all of it was read, its checksum is verified, and nothing from a damaged chunk is used. Channels are
+        processed immediately, because they determine which messages are read.
         """
         section = Section(self.stream, head.data_bytes)
         records: list[bytes] = []
@@ -262,7 +262,7 @@ class _Mcap:
             self._note(_damaged_chunk(head.at))
 
     def _wanted_of(self, section: Section) -> Iterator[bytes]:
-        """Yield the messages in a chunk's data of which something is made; take its schemas and channels."""
+        """Yield the used messages in a chunk's data; process its schemas and channels."""
         while section.left:
             record = section.read(9)
             if len(record) < 9:
@@ -284,7 +284,7 @@ class _Mcap:
                 raise CutError
 
     def _chunk_data(self, head: ChunkHead, data: bytes, *, cut: bool) -> None:
-        """Take what is in a chunk's data, which is all that the file has of it."""
+        """Process the contents of a chunk's data, which is all that the file has of it."""
         damaged = _damaged_chunk(head.at)
         if head.compression in ("zstd", "lz4"):
             try:
@@ -332,7 +332,7 @@ class _Mcap:
             raise LimitError("log.too_many_messages", f"The file has more than {self.most_records} records.")
 
     def _content(self, opcode: int, data: bytes, start: int, end: int) -> None:
-        """Take a message, a channel or a schema."""
+        """Process a message, a channel or a schema."""
         if opcode == Opcode.MESSAGE:
             if end - start < MESSAGE.size:
                 raise DamagedError
@@ -340,7 +340,7 @@ class _Mcap:
             at = start + MESSAGE.size
             self.recording.take(key, time, data[at:end] if self.recording.wants(key) else b"", size=end - at)
         elif opcode == Opcode.SCHEMA:
-            # Only its name is of use: what it defines is known, or not read (see ros_messages).
+            # Only its name is used: known types have fixed definitions, others are not read (see ros_messages).
             schema = decoded(Schema.read, data[start:end])
             self.schemas[schema.id] = (schema.name, schema.encoding)
         elif opcode == Opcode.CHANNEL:
@@ -379,9 +379,9 @@ def _damaged_chunk(at: int) -> str:
 
 
 def take_mcap(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
-    """Hand what an MCAP file holds over to ``recording``; of one that is cut or damaged, what could be read.
+    """Pass the contents of an MCAP file to ``recording``; for a cut or damaged file, the readable part.
 
-    Raises :class:`ReadError` where nothing could be, and :class:`LimitError`.
+    Raises :class:`ReadError` if nothing is readable, and :class:`LimitError`.
     """
     with byte_stream(file, limits, progress) as stream:
         mcap = _Mcap(stream, Transcoding(recording), limits)

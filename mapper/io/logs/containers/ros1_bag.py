@@ -1,15 +1,15 @@
 """ROS 1 bags, format 2.0, plain or compressed (bz2, lz4; the whole file gzip or Zstandard).
 
 Source: wiki.ros.org/Bags/Format/2.0. After a line ``#ROSBAG V2.0`` come records: ``<header length> <header> <data
-length> <data>``, a header being fields ``<length> name=value``; messages are in chunks, and their connections state
+length> <data>``, with fields ``<length> name=value`` in the header; messages are in chunks, and their connections state
 topic and type.
 
-The records are read from front to back, and the index at the end is not needed: a bag whose recording was cut has
-none, and what precedes the cut is still good. rosbags' reader needs the index, and expands a chunk without a cap; the
-tests compare this one with it.
+The records are read sequentially, without the index at the end, because a bag whose recording was cut has none, and the
+data before the cut is still valid. rosbags' reader needs the index, and decompresses chunks without a cap; the tests
+compare this one with it.
 
-Of a plain file no more is read than the map needs: large messages that nothing is made of are jumped over, in plain
-chunks too, and so are compressed chunks that hold none but such messages, as the indexes behind them say.
+Only the data that a map needs is read from a plain file: large messages that are not used are skipped, also in plain
+chunks, and so are compressed chunks that contain only such messages according to the indexes after them.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ from mapper.io.logs.recording.transcoding import Transcoding
 
 MAGIC = b"#ROSBAG V"
 MAX_HEADER_BYTES = 1 << 20
-MAX_INDEX_BYTES = 1 << 24  #: of the connections at the end of a bag
-MAX_INDEX_HEADER_BYTES = 1000  #: of an index record behind a chunk
+MAX_INDEX_BYTES = 1 << 24  #: for the connections at the end of a bag
+MAX_INDEX_HEADER_BYTES = 1000  #: for an index record after a chunk
 INDEX_ENTRY_BYTES = 12  #: a time and an offset
 
 
@@ -58,14 +58,14 @@ class _Bag:
         self.stream = stream
         self.recording = recording
         self.limits = limits
-        self.knows_all_connections = False  #: whether those at the bag's end were taken
+        self.knows_all_connections = False  #: whether the connections at the bag's end were read
         self.expanded = 0
         self.most_expanded = limits.unpacked_bytes(stream.file_size)
         self.records = 0
         self.most_records = limits.records(stream.file_size)
 
     def read(self) -> None:
-        """Hand everything to the recording that can be read; note what cannot."""
+        """Pass all readable messages to the recording; note what is unreadable."""
         if self.stream.read(len(VERSION)) != VERSION:
             raise ReadError(
                 "log.version", "The file is a ROS bag of a version other than 2.0, the only one that is read."
@@ -81,10 +81,10 @@ class _Bag:
             self.recording.notes.append(f"The bag is damaged before byte {self.stream.at}: the rest is left out.")
 
     def look_ahead(self, file: BinaryIO) -> None:
-        """Take the connections that a whole, uncompressed bag repeats at its end.
+        """Read the connections repeated at the end of a complete, uncompressed bag.
 
-        They are first in the chunks: without this, a damaged chunk would take all later messages of its connections
-        with it. What is wrong here is no harm: the chunks say it again.
+        They are first in the chunks, so a damaged chunk would otherwise cost all later messages of its connections.
+        Errors here are harmless, because the chunks repeat them.
         """
         start = file.read(len(VERSION) + MAX_FIRST_RECORD_BYTES)
         if not start.startswith(VERSION):
@@ -112,7 +112,7 @@ class _Bag:
         return data
 
     def _head(self, source: ByteStream | Section, size: bytes) -> tuple[dict[bytes, bytes], int]:
-        """Return a record's header, of which ``size`` was read, and the length of its data."""
+        """Return a record's header, whose ``size`` has been read, and the length of its data."""
         (n,) = U32.unpack(size)
         if n > MAX_HEADER_BYTES:
             raise DamagedError
@@ -146,10 +146,10 @@ class _Bag:
         return True
 
     def _index_bytes(self, fields: dict[bytes, bytes], stated: int, ahead: int = 0) -> int:
-        """Return how many bytes of entries an index record has, which begin ``ahead`` bytes from here.
+        """Return the size of the entries of an index record, which start ``ahead`` bytes from here.
 
         rosbag reads as many entries as the header counts, and never the length before them, which recorders of 2010
-        wrote wrong. Here it is ignored where the next record follows the entries, or where that cannot be looked at.
+        wrote wrongly. Here the length is ignored if the next record follows the entries, or if that cannot be checked.
         """
         count = fields.get(b"count", b"")
         if len(count) != 4 or fields.get(b"ver") != U32.pack(1):
@@ -160,7 +160,7 @@ class _Bag:
         return int(counted)
 
     def _is_record(self, ahead: int) -> bool:
-        """Return whether a record begins there, or the file ends."""
+        """Return whether a record starts there, or the file ends."""
         size = self.stream.ahead(ahead, 4)
         if len(size) < 4:
             return not size
@@ -171,7 +171,7 @@ class _Bag:
             return False
 
     def _take_or_skip(self, source: ByteStream | Section, fields: dict[bytes, bytes], n: int) -> None:
-        """Take a record with ``n`` bytes of data; pass over those of a large message that nothing is made of."""
+        """Process a record with ``n`` bytes of data; skip the data of a large unused message."""
         key = connection_of(fields)
         if fields[b"op"] == MESSAGE and n >= WORTH_A_JUMP and not (key is not None and self.recording.wants(key)):
             if source.skip(n) < n:
@@ -181,7 +181,7 @@ class _Bag:
             self._content(fields, self._exactly(source, n))
 
     def _chunk(self, compression: str, n: int) -> None:
-        """Read a chunk of ``n`` bytes. Raises :class:`CutError` where the file ends in it."""
+        """Read a chunk of ``n`` bytes. Raises :class:`CutError` if the file ends in it."""
         at = self.stream.at
         if compression == "none" and self.stream.can_jump:
             self._plain_chunk(Section(self.stream, n), at)
@@ -194,7 +194,7 @@ class _Bag:
             raise CutError
 
     def _plain_chunk(self, section: Section, at: int) -> None:
-        """Take what is wanted of a chunk that is not compressed, whose data comes next."""
+        """Read the used messages of an uncompressed chunk, whose data comes next."""
         try:
             while section.left:
                 size = section.read(4)
@@ -208,9 +208,9 @@ class _Bag:
             self._note(_damaged_chunk(at))
 
     def _skipped_by_index(self, n: int) -> bool:
-        """Jump over a compressed chunk of ``n`` bytes, and count its messages, where nothing is made of any of them.
+        """Skip a compressed chunk of ``n`` bytes, and count its messages, if none of them is used.
 
-        That is told by the index records, one for each of its connections, which follow it.
+        That is determined from the index records after it, one for each of its connections.
         """
         counts: dict[int, int] = {}
         ahead = n
@@ -229,7 +229,7 @@ class _Bag:
         return True
 
     def _index_ahead(self, ahead: int) -> tuple[int, int, int] | None:
-        """Return connection, number of messages and size of an index record in the file; None where there is none."""
+        """Return connection, number of messages and size of an index record in the file; None if there is none."""
         size = self.stream.ahead(ahead, 4)
         if len(size) < 4 or U32.unpack(size)[0] > MAX_INDEX_HEADER_BYTES:
             return None
@@ -246,7 +246,7 @@ class _Bag:
         return key, U32.unpack(count)[0], n + 8 + entries
 
     def _chunk_data(self, compression: str, data: bytes, at: int, *, cut: bool) -> None:
-        """Take what is in a chunk's data, which is all that the file has of it."""
+        """Process the contents of a chunk's data, which is all that the file has of it."""
         if compression in ("bz2", "lz4"):
             try:
                 data, _ = inflate(compression, data, self.limits.max_chunk_bytes, f"the chunk at byte {at}")
@@ -278,7 +278,7 @@ class _Bag:
             raise LimitError("log.too_many_messages", f"The bag has more than {self.most_records} records.")
 
     def _content(self, fields: dict[bytes, bytes], content: bytes, size: int | None = None) -> None:
-        """Take a connection or a message; ``size`` bytes where ``content`` was left out."""
+        """Process a connection or a message; ``size`` is its size if ``content`` was skipped."""
         key = connection_of(fields)
         if key is None:
             return
@@ -299,9 +299,9 @@ def _damaged_chunk(at: int) -> str:
 
 
 def take_ros1_bag(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
-    """Hand what a bag holds over to ``recording``; of one that is cut or damaged, what could be read.
+    """Pass the contents of a bag to ``recording``; for a cut or damaged bag, the readable part.
 
-    Raises :class:`ReadError` for one of another version or encrypted, and :class:`LimitError`.
+    Raises :class:`ReadError` for another version or an encrypted bag, and :class:`LimitError`.
     """
     with byte_stream(file, limits, progress) as stream:
         bag = _Bag(stream, Transcoding(recording), limits)

@@ -3,13 +3,13 @@
 Source: rosbag2_storage_sqlite3: a table ``topics`` (id, name, type, serialization_format, …) and one ``messages``
 (id, topic_id, timestamp, data).
 
-The file is opened read-only and as hostile as sqlite.org/security.html advises: no trusted schema, nothing but two
-ordinary tables is queried, no order is asked for that SQLite would have to sort, and no value may be huge.
+The file is opened read-only and treated as untrusted, following sqlite.org/security.html: no trusted schema, only two
+ordinary tables are queried, no order is requested that SQLite would have to sort, and values have a maximum size.
 
-Data that nothing is made of is not read: SQLite keeps large values in pages of their own.
+Unused data is not read, because SQLite stores large values in separate pages.
 
-What a recorder that was killed left in a write-ahead log beside the database, in a folder or an archive, is read from
-a copy of both. Copies that look-ups need are kept for the next ones.
+Data that a killed recorder left in a write-ahead log next to the database, in a folder or an archive, is read from a
+copy of both. Copies needed for look-ups are cached.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ _IN_WAL = (
 
 
 def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
-    """Hand what the ROS 2 bag ``file`` holds over to ``recording``; of a damaged one, the messages before the damage.
+    """Pass the contents of the ROS 2 bag ``file`` to ``recording``; for a damaged bag, the messages before the damage.
 
-    Raises :class:`ReadError` where there are none, and :class:`LimitError`.
+    Raises :class:`ReadError` if there are none, and :class:`LimitError`.
     """
     before = recording.taken
     connection, notes, is_journaled = _opened(file, limits, progress)
-    if notes is not None:  # read as a copy, which was half of the work
+    if notes is not None:  # read from a copy, which was half of the work
         progress = progress and partial(_second_half, progress)
     try:
         recording.notes += notes or []
@@ -85,10 +85,10 @@ ROS2_DB3 = Container("ROS 2 bag (SQLite)", take_ros2_db3)
 def _opened(
     path: Source, limits: Limits, progress: Progress | None
 ) -> tuple[sqlite3.Connection, list[str] | None, bool]:
-    """Return the database, what is noted of it, and whether it keeps a write-ahead log that was not read.
+    """Return the database, notes on it, and whether it has a write-ahead log that was not read.
 
-    A file that SQLite cannot open as it is, as it is packed, cut or in an archive, is opened as a copy, and so is one
-    with a write-ahead log beside it; of one that needs none, None instead of notes.
+    A file that SQLite cannot open directly, because it is compressed, cut or in an archive, is opened as a copy, and so
+    is one with a write-ahead log next to it; if no copy is needed, notes is None.
     """
     with opened(path) as file:
         head = file.read(100)
@@ -103,20 +103,20 @@ def _opened(
             connection = _connected(path, limits)
         else:
             with _copied(path, limits, progress and partial(_first_half, progress)) as (copy, head, notes):
-                connection = _connected(copy, limits)  # which goes on when the copy has lost its name
+                connection = _connected(copy, limits)  # remains usable when the copy is unlinked
     except (sqlite3.Error, OverflowError) as error:
         raise _unreadable(error) from error
     return connection, notes, 2 in head[18:20]
 
 
 def _connected(path: Path, limits: Limits) -> sqlite3.Connection:
-    """Open a database, to be read within the limits. Where it cannot be, nothing stays open."""
-    # immutable: neither locks nor a journal next to it, which a hostile file could come with
+    """Open a database for reading within the limits. On failure nothing stays open."""
+    # immutable: no locks and no journal, which a hostile file could include
     place = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
     with contextlib.ExitStack() as in_vain:
-        connection = sqlite3.connect(place, uri=True, check_same_thread=False)  # kept copies are used one after another
+        connection = sqlite3.connect(place, uri=True, check_same_thread=False)  # cached copies are used sequentially
         in_vain.callback(connection.close)
-        connection.execute("PRAGMA schema_version")  # only then is the file open
+        connection.execute("PRAGMA schema_version")  # the file is only opened here
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.max_chunk_bytes)
         connection.setlimit(sqlite3.SQLITE_LIMIT_COLUMN, 100)
@@ -129,9 +129,9 @@ def _connected(path: Path, limits: Limits) -> sqlite3.Connection:
 
 
 def _merged(file: Source, limits: Limits) -> sqlite3.Connection | None:
-    """Return a copy of a database with what is in the write-ahead log beside it.
+    """Return a copy of a database merged with the write-ahead log next to it.
 
-    None where there is no such log, no room for the copy, or SQLite refuses it.
+    None if there is no such log, no room for the copy, or SQLite rejects it.
     """
     with contextlib.suppress(OSError, sqlite3.Error), tempfile.TemporaryDirectory(prefix="gridbloom-") as folder:
         if (journal := journal_of(file)) is None:
@@ -141,18 +141,18 @@ def _merged(file: Source, limits: Limits) -> sqlite3.Connection | None:
             with opened(source) as data, target.open("wb") as written:
                 shutil.copyfileobj(data, written, PIECE)
         with contextlib.closing(sqlite3.connect(copy)) as writer:
-            # Exclusive: its index of the log is then in memory, and no file beside the copy.
+            # Exclusive, so that the index of the log is in memory, not in a file next to the copy.
             for pragma in ("trusted_schema=OFF", "cell_size_check=ON", "locking_mode=EXCLUSIVE", "journal_mode=DELETE"):
                 writer.execute(f"PRAGMA {pragma}").fetchall()
-        return _connected(copy, limits)  # which goes on when the copy has lost its name
+        return _connected(copy, limits)  # remains usable when the copy is unlinked
     return None
 
 
 @contextmanager
 def _copied(path: Source, limits: Limits, progress: Progress | None) -> Iterator[tuple[Path, bytes, list[str]]]:
-    """Yield a copy of what a file holds that SQLite takes, its first bytes, and what is missing.
+    """Yield a copy of a file's contents that SQLite accepts, its first bytes, and what is missing.
 
-    Raises :class:`LimitError` where there is no room for it.
+    Raises :class:`LimitError` if there is no room for it.
     """
     try:
         with tempfile.NamedTemporaryFile(prefix="gridbloom-", suffix=".db3") as copy:
@@ -164,12 +164,12 @@ def _copied(path: Source, limits: Limits, progress: Progress | None) -> Iterator
             head = copy.read(100)
             if _is_cut(head, size):
                 notes.append("The SQLite file ends early: only what precedes is read.")
-                # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
+                # SQLite rejects a file that is shorter than stated, and reads the missing part of a page as zeros.
                 pages = size // _page_bytes(head)
                 copy.truncate(pages * _page_bytes(head))
                 _overwrite(copy.file, 28, pages.to_bytes(4, "big"))
             if size >= 20:
-                _overwrite(copy.file, 18, b"\1\1")  # no write-ahead log: there is none beside the copy
+                _overwrite(copy.file, 18, b"\1\1")  # no write-ahead log, because there is none next to the copy
             copy.flush()
             yield Path(copy.name), head, notes
     except OSError as error:
@@ -193,7 +193,7 @@ def _second_half(progress: Progress, share: float) -> None:
 
 
 def _reason(error: Exception) -> str:
-    """Return what SQLite says, which may quote the file."""
+    """Return SQLite's error message, which may quote the file."""
     return printable(" ".join(str(error).split())[:100]).rstrip(".")
 
 
@@ -219,7 +219,7 @@ def _looked_into(file: Source, limits: Limits) -> AbstractContextManager[sqlite3
     def connected() -> tuple[sqlite3.Connection, int]:
         connection, notes, _ = _opened(file, limits, None)
         size = 0
-        with contextlib.suppress(sqlite3.Error):  # of a damaged file, of which the look-up says what is wrong
+        with contextlib.suppress(sqlite3.Error):  # for a damaged file, whose error the look-up reports
             size = 0 if notes is None else _database_bytes(connection)
         return connection, size
 
@@ -229,9 +229,9 @@ def _looked_into(file: Source, limits: Limits) -> AbstractContextManager[sqlite3
 def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[int, str, bytes] | None:
     """Return stamp, type and data of the newest message on ``topic`` at or before ``at_ns``, or else of the first.
 
-    None where there is none. Raises :class:`ReadError` for a file that is no ROS 2 bag.
+    None if there is none. Raises :class:`ReadError` for a file that is not a ROS 2 bag.
     """
-    # First which row it is, then its data: a file without an index of times has all of its rows looked at.
+    # First find the row, then its data: without an index of times all rows are scanned.
     query = (
         "SELECT messages.rowid FROM messages JOIN topics ON topic_id = topics.id "
         "WHERE name = ? AND serialization_format = 'cdr' AND timestamp"
@@ -251,9 +251,9 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
 
 
 def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str, str]]:
-    """Return the type of each topic's messages, and encoding and text of its definition.
+    """Return the type of each topic's messages, and the encoding and text of its definition.
 
-    In bags before ROS 2 Iron there are none.
+    Bags before ROS 2 Iron have none.
     """
     with _looked_into(file, limits) as connection:
         try:
@@ -269,7 +269,7 @@ def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str, s
 
 
 def _other_database(connection: sqlite3.Connection, lacking: str) -> str:
-    """Return what a database is that lacks a table of ROS 2 bags."""
+    """Return the description of a database that lacks a table of ROS 2 bags."""
     names = {str(row[0]) for row in connection.execute("SELECT name FROM sqlite_master LIMIT 1000")}
     if {"Node", "Data", "Link"} <= names:
         return (
@@ -283,7 +283,7 @@ def _check_tables(connection: sqlite3.Connection, tables: dict[str, set[str]] = 
     """Raise :class:`ReadError` for a database whose tables are not those of a ROS 2 bag."""
     for table, needed in tables.items():
         schema = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
-        # A view, a virtual table or a computed column would run what the file says.
+        # A view, a virtual table or a computed column would execute what the file says.
         if len(schema) != 1 or schema[0][0] != "table" or str(schema[0][1]).upper().startswith("CREATE VIRTUAL"):
             raise ReadError("log.unknown_format", _other_database(connection, table))
         columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
@@ -315,10 +315,10 @@ def _take_all(
                 recording.notes.append(f"{what}: the messages are encoded as {str(form)!r:.40}, and only cdr is read.")
     topic_ids = ",".join(str(key) for key in keys if recording.wants(key))
     last = 1
-    with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
+    with contextlib.suppress(sqlite3.Error):  # in a cut file, the last row is missing
         last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
-    # A row has five bytes at least, and each of its bytes a place of its own: cells or pages that a damaged or hostile
-    # file names again and again would be read for hours.
+    # A row has at least five distinct bytes; without this check, cells or pages that a damaged or hostile file
+    # references repeatedly would be read for hours.
     room = _database_bytes(connection)
     read = 0
     cursor = connection.execute(

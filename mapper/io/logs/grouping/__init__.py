@@ -1,1 +1,1 @@
-"""The scans of one sensor in groups that have the same beams and limits, whatever the format of their log."""
+"""Scans of one sensor in groups with equal beams and limits, for all log formats."""

@@ -1,8 +1,8 @@
-"""The scans of one sensor in groups that have the same beams and limits, so that each message speaks for itself.
+"""Grouping of one sensor's scans by equal beams and limits, so that each message is interpreted by its own values.
 
-A lidar that is switched to another resolution or range, or whose driver states other limits now and then, has a few
+A lidar that is switched to another resolution or range, or whose driver changes its limits occasionally, has a few
 groups. Limits that change with every message are applied to that message's readings; angles that change with every
-message are put on the beams that most have.
+message are resampled onto the most common beams.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from mapper.core.se2 import wrap_angle
 from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
 from mapper.sensors.scan import MAX_STATED_S
 
-#: How limits are understood that cannot be meant as they stand → the sentence on them.
-#: Source: sensor_msgs/LaserScan and Range; REP 117, whose fixed-distance rangers state both as one distance.
+#: Interpretation of implausible limits → the sentence on them. Source: sensor_msgs/LaserScan and Range; REP 117, whose
+#: fixed-distance rangers state both limits as one distance.
 UNLIMITED, INFINITE, SWAPPED, FIXED = "unlimited", "infinite", "swapped", "fixed"
 _SENTENCES = {
     UNLIMITED: (
@@ -46,12 +46,12 @@ _SENTENCES = {
 
 
 def usable_limits(range_min: float, range_max: float) -> tuple[float, float, str]:
-    """Return the least and the greatest distance that count, metres, and how they were understood, "" as they stand.
+    """Return the minimum and maximum valid distance, metres, and how they were interpreted, "" if as stated.
 
-    The greatest is inf where none is stated that can be.
+    The maximum is inf if no valid one is stated.
     """
     least = range_min if 0.0 <= range_min < math.inf else 0.0
-    if not range_max > 0.0:  # nan too
+    if not range_max > 0.0:  # also NaN
         return least, math.inf, UNLIMITED
     if range_max == math.inf:
         return least, math.inf, INFINITE
@@ -63,9 +63,9 @@ def usable_limits(range_min: float, range_max: float) -> tuple[float, float, str
 
 
 def notes_on_limits(where: str, n_scans: int, stated: Mapping[tuple[float, float], int]) -> list[str]:
-    """Return a note for each way in which limits cannot be meant as they stand.
+    """Return a note for each kind of implausible limits.
 
-    ``stated`` has the pairs range_min, range_max of the messages that are ``where`` says, and how many of the
+    ``stated`` has the pairs range_min, range_max of the messages described by ``where``, and how many of the
     ``n_scans`` messages state each.
     """
     counts: Counter[str] = Counter()
@@ -83,31 +83,31 @@ def notes_on_limits(where: str, n_scans: int, stated: Mapping[tuple[float, float
 
 
 def counted(some: int, of: int) -> str:
-    """Return how many of a topic's messages it is, for the beginning of a sentence."""
+    """Return the number of a topic's messages, as the beginning of a sentence."""
     return f"All {of} messages" if some == of else f"{some} of the {of} messages"
 
 
 MOST_GROUPS = 64  #: of one sensor
-MOST_COMPARED = 100  #: different angles of one sensor
-MOST_TOLD = 4  #: groups that a note describes
-MOST_STEPS = 4  #: times between beams
-SAME_ANGLE = 2e-5  #: radians: angles in 32 bits that differ by less are one
-STEP_APART = 1.25  #: times between beams that differ by this factor are of different groups
-LIMIT_FOLLOWS = 0.9  #: share of scans whose largest reading is their range_max, which then is no limit
-CODE_SHARE = 0.002  #: of the readings: where more are exactly range_max, that is a code
-CODE_LEAST = 20  #: readings that a code has at least
-NOISE_BAND = 0.05  #: of range_max: readings so near it may be a code with noise
+MOST_COMPARED = 100  #: distinct angles of one sensor
+MOST_TOLD = 4  #: groups described by a note
+MOST_STEPS = 4  #: distinct times between beams
+SAME_ANGLE = 2e-5  #: radians: tolerance of 32-bit angles
+STEP_APART = 1.25  #: times between beams that differ by this factor are in different groups
+LIMIT_FOLLOWS = 0.9  #: fraction of scans whose largest reading is their range_max, above which it is not a limit
+CODE_SHARE = 0.002  #: of the readings: if more are exactly range_max, that is a code
+CODE_LEAST = 20  #: minimum number of readings equal to a code
+NOISE_BAND = 0.05  #: of range_max: readings this near to it may be a noisy code
 MOST_NOISE = 5.0  #: standard deviations
-HALF_NORMAL_QUARTILE = 0.3186  #: of the distances from the middle of a normal distribution, standard deviations
-NOISE_HALVES = 1.5  #: times as many readings may be on one side of range_max as on the other
-NOISE_WALLS = 0.1  #: of the readings below it are, at most, as far again as noise reaches
+HALF_NORMAL_QUARTILE = 0.3186  #: quartile of the half-normal distribution, standard deviations
+NOISE_HALVES = 1.5  #: maximum ratio of the numbers of readings on the two sides of range_max
+NOISE_WALLS = 0.1  #: maximum fraction of the readings just below the noise band
 
 
 @dataclass(frozen=True, slots=True)
 class ScanGroup:
-    """Scans with the same beams: ``scans`` (n,) are their indices, ``ranges`` (n, n_beams) float32 their readings.
+    """Scans with equal beams: ``scans`` (n,) are their indices, ``ranges`` (n, n_beams) float32 their readings.
 
-    Angles are radians in the sensor's frame, limits metres, ``time_increment`` seconds from one beam to the next.
+    Angles are radians in the sensor's frame, limits metres, ``time_increment`` seconds between beams.
     """
 
     scans: Int64Array
@@ -120,9 +120,9 @@ class ScanGroup:
 
 
 def scan_groups(sensor: StatedScans, limits: Limits) -> tuple[list[ScanGroup], list[str]]:
-    """Return the groups of a sensor's scans, that with most scans first, and what is to be noted about them.
+    """Return the groups of a sensor's scans, the largest first, and notes on them.
 
-    Raises :class:`LimitError` where there would be too many readings.
+    Raises :class:`LimitError` for too many readings.
     """
     return _Grouping(sensor, limits).groups()
 
@@ -174,7 +174,7 @@ class _Grouping:
         return groups, self.notes
 
     def _padded(self) -> NDArray[np.float32]:
-        """Return all readings (n_scans, most beams), NaN behind the last of a scan with fewer."""
+        """Return all readings (n_scans, most beams), padded with NaN."""
         flat = self.sensor.readings
         counts = np.array([beaming.beams for beaming in self.beamings], dtype=np.int64)
         n, most = self.sensor.n_scans, int(counts.max())
@@ -205,7 +205,7 @@ class _Grouping:
         )
 
     def _limits_follow_readings(self, ranges: NDArray[np.float32], largest: NDArray[np.float64]) -> bool:
-        """Return whether range_max is the largest reading of each message, and so no limit of the sensor."""
+        """Return whether range_max is the largest reading of each message, and therefore not a limit of the sensor."""
         if len(np.unique(largest)) < 3 or ranges.shape[1] < 2:
             return False
         farthest = np.where(np.isfinite(ranges), ranges, -np.inf).max(axis=1)
@@ -219,9 +219,9 @@ class _Grouping:
         return True
 
     def _without_codes(self, ranges: NDArray[np.float32], largest: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Return the readings without those that are exactly range_max, +inf instead, where they are many.
+        """Return the readings with those equal to range_max replaced by +inf, if they are many.
 
-        Where noise was added to them, as simulators do, those just below it are no return as well.
+        If noise was added to them, as simulators do, those just below it are also no returns.
         """
         limits = largest[:, np.newaxis].astype(np.float32)
         is_code = np.isfinite(ranges) & (ranges == limits)
@@ -246,10 +246,10 @@ class _Grouping:
         return np.where(is_code, np.float32(np.inf), ranges)
 
     def _within_own_limits(self, ranges: NDArray[np.float32], largest: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Return the readings that lie within the limits of their own message.
+        """Return the readings within the limits of their own message.
 
-        What is farther is no return, which is left out of scans whose limit is less than others': up to which distance
-        it clears cells, one number for all could not say.
+        Farther readings are no returns, which are dropped from scans with a smaller limit than others, because one
+        number for all cannot describe up to which distance they clear cells.
         """
         least = np.array([limit[0] for limit in self.usable])[self.of_scan]
         with np.errstate(invalid="ignore"):
@@ -269,7 +269,7 @@ class _Grouping:
         return np.where(nearer, np.float32(np.nan), out)
 
     def _on_usual_beams(self, ranges: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the readings (n_scans, n_beams) on the beams that most scans have, each at the nearest."""
+        """Return the readings (n_scans, n_beams) on the most common beams, each assigned to the nearest."""
         usual = self.sensor.usual
         out = np.full((len(ranges), usual.beams), np.nan, dtype=np.float32)
         own = self.angles[self.beamings.index(usual)]
@@ -305,7 +305,7 @@ class _Grouping:
 
 
 def _same_angles(beamings: list[Beaming]) -> list[int]:
-    """Return for each beaming the number of its angles, which are compared modulo one turn."""
+    """Return for each beaming the index of its angles, which are compared modulo one turn."""
     known = np.empty((0, 2))
     equal = []
     for number, beaming in enumerate(beamings):
@@ -320,15 +320,15 @@ def _same_angles(beamings: list[Beaming]) -> list[int]:
             equal.append(len(known))
             known = np.vstack([known, [beaming.angle_min, beaming.angle_increment]])
         else:
-            equal.append(MOST_COMPARED + number)  # this number is put on the usual beams in any case
+            equal.append(MOST_COMPARED + number)  # this one is resampled onto the usual beams anyway
     return equal
 
 
 def _noise_below(ranges: NDArray[np.float32], limits: NDArray[np.float32]) -> float:
-    """Return how far below their limits (n_scans, 1) noise takes readings that say no return; 0 where there is none.
+    """Return how far below their limits (n_scans, 1) noise shifts no-return readings; 0 if there is no noise.
 
-    Of Gaussian noise one half of the readings is below the limit, the other half above it, or at it where they are
-    clipped to it. Below five standard deviations there are hardly any, unless walls are there.
+    With Gaussian noise one half of the readings is below the limit, and the other half above it, or at it if clipped.
+    There are hardly any below five standard deviations, unless they are walls.
     """
     with np.errstate(invalid="ignore"):
         is_near = ranges > (1.0 - NOISE_BAND) * limits
@@ -341,16 +341,16 @@ def _noise_below(ranges: NDArray[np.float32], limits: NDArray[np.float32]) -> fl
         return 0.0
     noise = MOST_NOISE * float(np.quantile(below, 0.25)) / HALF_NORMAL_QUARTILE
     near, far = (int(np.count_nonzero((below > a * noise) & (below <= (a + 1) * noise))) for a in (0, 1))
-    if 2.0 * noise > NOISE_BAND * float(limits.min()):  # walls around range_max, as anywhere
+    if 2.0 * noise > NOISE_BAND * float(limits.min()):  # ordinary walls around range_max
         return 0.0
     is_half = beyond <= NOISE_HALVES * near and near <= NOISE_HALVES * beyond
     return noise if is_half and far <= NOISE_WALLS * near else 0.0
 
 
 def _steps(stated: NDArray[np.float32]) -> Int64Array:
-    """Return numbers (n_scans,) that differ where the times between beams do, as of a lidar whose rate is switched.
+    """Return indices (n_scans,) that differ if the times between beams do, as for a lidar with a switched rate.
 
-    Zero for all where they vary without a gap.
+    Zero for all if they vary continuously.
     """
     usable = np.where(np.abs(stated) <= MAX_STATED_S, np.abs(stated), 0.0)
     sorted_steps = np.unique(usable)
@@ -367,7 +367,7 @@ def _numbered(pairs: list[tuple[float, float]]) -> Int64Array:
 
 
 def _nearest(theirs: Beaming, usual: Beaming) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return which of the usual beams have one of theirs within half a step, and which one that is."""
+    """Return which of the usual beams have one of theirs within half a step, and which one."""
     angles = usual.angle_min + usual.angle_increment * np.arange(usual.beams)
     if theirs.angle_increment == 0.0:
         index = np.zeros(usual.beams)
@@ -375,7 +375,7 @@ def _nearest(theirs: Beaming, usual: Beaming) -> tuple[NDArray[np.intp], NDArray
         turn = abs(2.0 * np.pi / theirs.angle_increment)
         index = np.clip(np.rint((angles - theirs.angle_min) / theirs.angle_increment % turn), 0, theirs.beams - 1)
     away = np.abs(wrap_angle(theirs.angle_min + theirs.angle_increment * index - angles))
-    from_first = np.abs(wrap_angle(theirs.angle_min - angles))  # nearer where it is one turn behind their last
+    from_first = np.abs(wrap_angle(theirs.angle_min - angles))  # nearer if it is one turn before their last
     index, away = np.where(from_first < away, 0, index), np.minimum(from_first, away)
     near = away <= max(abs(usual.angle_increment), abs(theirs.angle_increment)) / 2.0 + 1e-9
     return np.nonzero(near)[0], index[near].astype(np.intp)

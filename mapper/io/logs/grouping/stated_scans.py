@@ -1,4 +1,4 @@
-"""The scans of one sensor as a log has them, each with the beams and the limits that it states."""
+"""Scans of one sensor as stated in a log, each with its own beams and limits."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mapper.sensors.scan import MAX_STATED_S
 
 
 class Beaming(NamedTuple):
-    """What a message, or a line, states of its beams: radians, metres, their number."""
+    """The beams stated by a message or line: radians, metres, their number."""
 
     angle_min: float
     angle_increment: float
@@ -23,12 +23,12 @@ class Beaming(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StatedScans:
-    """The scans of one sensor, with what they state; ``where`` its messages are ("on /scan"), for notes.
+    """The scans of one sensor as stated; ``where`` describes its messages ("on /scan") in notes.
 
-    ``beamings`` are what scans state of their beams, each once, and ``beaming_of_scan`` (n_scans,) the index of each
-    scan's in them. ``readings`` are those of all scans, metres, one scan after the other, and ``time_increments``
-    (n_scans,) the stated times between two beams, seconds, which may be anything. ``is_cut``: the scans were cut out of
-    clouds or depth images, so that their limits are those of the cut.
+    ``beamings`` are the distinct stated beams, and ``beaming_of_scan`` (n_scans,) the index of each scan's.
+    ``readings`` are those of all scans, metres, concatenated, and ``time_increments`` (n_scans,) the stated times
+    between two beams, seconds, of any value. ``is_cut``: the scans were extracted from clouds or depth images, so their
+    limits are those of the extraction.
     """
 
     where: str
@@ -45,11 +45,11 @@ class StatedScans:
 
     @property
     def usual(self) -> Beaming:
-        """The beams that most scans have."""
+        """The most common beams."""
         return self.beamings[int(np.argmax(np.bincount(self.beaming_of_scan)))]
 
 
 def median_seconds(stated: NDArray[np.float32]) -> float:
-    """Return the median of the stated times that are finite and not absurd, else 0."""
+    """Return the median of the stated times that are finite and plausible, else 0."""
     good = stated[np.abs(stated) <= MAX_STATED_S]  # false for NaN
     return float(np.median(good)) if len(good) else 0.0

@@ -1,1 +1,1 @@
-"""Decoders of ROS's messages, and of Foxglove's, which become messages of ROS."""
+"""Decoders of ROS messages, and of Foxglove messages, which are converted to ROS messages."""

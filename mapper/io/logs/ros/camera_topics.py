@@ -1,12 +1,12 @@
-"""The topics of a camera, by ROS's conventions: an image and its CameraInfo are in one folder (image_pipeline)."""
+"""Topics of a camera by ROS's conventions: an image and its CameraInfo share a namespace (image_pipeline)."""
 
 from __future__ import annotations
 
-_TRANSPORTS = ("/compressedDepth", "/compressed")  #: what image_transport adds to the topic of the image
+_TRANSPORTS = ("/compressedDepth", "/compressed")  #: suffixes added by image_transport to the image topic
 
 
 def topic_folder(topic: str) -> str:
-    """Return a topic without its last part: an image and its CameraInfo are in one folder."""
+    """Return a topic without its last part, the namespace shared by an image and its CameraInfo."""
     return topic.rpartition("/")[0]
 
 

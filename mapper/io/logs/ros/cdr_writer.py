@@ -13,13 +13,13 @@ ENCAPSULATION = b"\0\1\0\0"  #: plain CDR, little-endian
 
 
 class CdrWriter:
-    """A message as it grows; each number is aligned to its size, counted from behind the encapsulation."""
+    """A message under construction; each number is aligned to its size, relative to the end of the encapsulation."""
 
     def __init__(self) -> None:
         self.data = bytearray(ENCAPSULATION)
 
     def pack(self, code: str, size: int, *values: float) -> Self:
-        """Append numbers of one kind, of ``size`` bytes each."""
+        """Append numbers of one type, of ``size`` bytes each."""
         self.data += bytes((len(ENCAPSULATION) - len(self.data)) % size) + struct.pack(f"<{len(values)}{code}", *values)
         return self
 
@@ -35,11 +35,11 @@ class CdrWriter:
         return self.pack("i", 4, seconds).pack("I", 4, nanoseconds).string(frame)
 
     def array(self, values: NDArray[np.float32] | NDArray[np.int8] | NDArray[np.uint8]) -> Self:
-        """Append numbers (n,) of at most four bytes, with their count before them."""
+        """Append numbers (n,) of at most four bytes, preceded by their count."""
         self.pack("I", 4, len(values)).data += np.ascontiguousarray(values).view(np.uint8).data
         return self
 
     @property
     def message(self) -> bytes:
-        """What was appended."""
+        """Return the message."""
         return bytes(self.data)

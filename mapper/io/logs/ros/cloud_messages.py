@@ -1,8 +1,7 @@
-"""Point clouds, depth images and what is known of their cameras, decoded from their serialised bytes.
+"""Decoding of serialised point clouds, depth images and camera infos.
 
-Source: the message definitions of sensor_msgs/PointCloud2, PointField, Image and CameraInfo, and of CustomMsg of
-livox_ros_driver; the wiki of
-depthimage_to_laserscan (16UC1 is millimetres, 0 no reading; 32FC1 metres).
+Source: the message definitions of sensor_msgs/PointCloud2, PointField, Image and CameraInfo, and of livox_ros_driver's
+CustomMsg; the wiki of depthimage_to_laserscan (16UC1 is millimetres, 0 no reading; 32FC1 metres).
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from mapper.sensors.camera import Intrinsics, Lens
 from mapper.sensors.point_cloud import PointCloud
 
 MOST_FIELDS = 256  #: of one point
-MOST_MODEL = 100  #: characters of a distortion model's name that are kept
+MOST_MODEL = 100  #: stored characters of a distortion model's name
 UNTURNED = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  #: R of a camera that states none
 MOST_SIDE = 1 << 16  #: pixels
-PART_POINTS = 1 << 17  #: taken at once: each takes some hundred bytes with what is computed from it
-MOST_NAME = 100  #: characters of a field's name that are kept
+PART_POINTS = 1 << 17  #: processed at once: each takes some hundred bytes including derived values
+MOST_NAME = 100  #: stored characters of a field's name
 TIME_FIELDS = ("t", "time", "offset_time", "timestamp", "time_stamp")
-SINCE_1970_S, SINCE_1970_NS = 1e8, 1e17  #: a time beyond is one since 1970, in seconds or nanoseconds
+SINCE_1970_S, SINCE_1970_NS = 1e8, 1e17  #: larger values are times since 1970, in seconds or nanoseconds
 DATATYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
 LIVOX_POINT = np.dtype(
     {
@@ -43,7 +42,7 @@ DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}
 class Cloud:
     """One sensor_msgs/PointCloud2: ``axes`` are x, y and z (height, width), views of the message's bytes.
 
-    ``others`` are its other fields, (height, width) or, of more than one number, (height, width, count).
+    ``others`` are its other fields, (height, width) or, for fields of several numbers, (height, width, count).
     """
 
     stamp_ns: int
@@ -53,11 +52,11 @@ class Cloud:
 
     @property
     def nbytes(self) -> int:
-        """The size of what holds the points."""
+        """Size in bytes of the point data."""
         return int(sum(axis.nbytes for axis in self.axes))
 
     def whole(self, recorded_ns: int = 0) -> PointCloud:
-        """Return the cloud with all that is stated of its points; ``recorded_ns`` is its stamp if it states none."""
+        """Return the cloud with all fields; ``recorded_ns`` is its stamp if it states none."""
         double = any(axis.dtype.kind != "f" or axis.dtype.itemsize > 4 for axis in self.axes)
         kind = np.float64 if double else np.float32
         points = np.stack([axis.astype(kind).reshape(-1) for axis in self.axes], axis=-1)
@@ -70,7 +69,7 @@ class Cloud:
         return PointCloud(points, stamp_ns, self.frame, (height, width), fields, times_of(fields, stamp_ns))
 
     def parts(self) -> Iterator[NDArray[np.float64]]:
-        """Yield the points (n, 3), row by row, in parts that bound the memory."""
+        """Yield the points (n, 3), row by row, in parts of bounded memory."""
         height, width = self.axes[0].shape
         if not height or not width:
             return
@@ -82,7 +81,7 @@ class Cloud:
 
 
 def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
-    """Decode a sensor_msgs/PointCloud2 of any layout: fields of any order and type, rows and points with padding."""
+    """Decode a sensor_msgs/PointCloud2 of any layout: fields in any order and type, padded rows and points."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     height, width = (int(n) for n in fields.unpack("2I", 4))
@@ -99,7 +98,7 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
     (is_bigendian,) = fields.unpack("B", 1)
     point_step, row_step = (int(n) for n in fields.unpack("2I", 4))
     values = fields.bytes()
-    fields.unpack("B", 1)  # is_dense: points that are not finite are looked for in any case
+    fields.unpack("B", 1)  # is_dense: non-finite points are searched for anyway
     fields.end()
     if height <= 1 or width == 0:
         row_step = point_step * width  # some drivers leave it 0
@@ -113,7 +112,7 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
     shape = (height, width) if needed else (0, 0)
     axes = []
     for name in "xyz":
-        offset, code, _ = layout.pop(name, (0, "", 0))  # how many numbers it is, some drivers leave 0
+        offset, code, _ = layout.pop(name, (0, "", 0))  # some drivers leave the count 0
         if not code:
             raise BadMessageError(f"its points have no field {name}")
         kind = np.dtype(order + code)
@@ -121,7 +120,7 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
             raise BadMessageError(f"the field {name} reaches beyond a point’s {point_step} bytes")
         axes.append(np.ndarray(shape, kind, values, offset if needed else 0, (row_step, point_step)))
     others: dict[str, NDArray[np.generic]] = {}
-    room = point_step  # fields that share bytes could make a small message take gigabytes
+    room = point_step  # overlapping fields could make a small message need gigabytes
     for name, (offset, code, count) in layout.items():
         kind = np.dtype(order + (code or "u1"))
         size = max(1, count) * kind.itemsize
@@ -135,12 +134,12 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
 
 
 def livox_cloud(data: bytes, *, cdr: bool) -> Cloud:
-    """Decode a CustomMsg of livox_ros_driver or livox_ros_driver2: points of 19 bytes, which CDR aligns to 20."""
+    """Decode a CustomMsg of livox_ros_driver or livox_ros_driver2: points of 19 bytes, aligned to 20 in CDR."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     fields.unpack("Q", 8)  # the time of the first point
-    fields.unpack("I", 4)  # the number of points, which is repeated before them
-    fields.unpack("4B", 1)  # the lidar's number, and three bytes for later use
+    fields.unpack("I", 4)  # the number of points, repeated before them
+    fields.unpack("4B", 1)  # the lidar's id, and three reserved bytes
     n = fields.count(LIVOX_POINT.itemsize)
     values = data[fields.pos : fields.pos + n * (step := 20 if cdr else LIVOX_POINT.itemsize)]
     if len(values) < n * step - (step - LIVOX_POINT.itemsize):
@@ -169,9 +168,9 @@ CLOUD_DECODERS: dict[str, Callable[..., Cloud]] = {
 
 
 def times_of(fields: Mapping[str, NDArray[np.generic]], stamp_ns: int) -> NDArray[np.float64] | None:
-    """Return when each point (n,) was measured, seconds after the stamp; None where no field of one number says it.
+    """Return the time of each point (n,), seconds after the stamp; None without a scalar time field.
 
-    Drivers differ: ``t`` (Ouster) and ``offset_time`` (Livox) are whole nanoseconds after the stamp, ``time``
+    Drivers differ: ``t`` (Ouster) and ``offset_time`` (Livox) are integer nanoseconds after the stamp, ``time``
     (Velodyne) seconds after it, and ``timestamp`` (Hesai, RoboSense, Livox) seconds or nanoseconds since 1970.
     """
     name = next((name for name in TIME_FIELDS if name in fields and fields[name].ndim == 1), None)
@@ -189,7 +188,7 @@ def times_of(fields: Mapping[str, NDArray[np.generic]], stamp_ns: int) -> NDArra
 
 @dataclass(frozen=True, slots=True)
 class DepthImage:
-    """One sensor_msgs/Image of depths: ``raw`` (height, width) as stored, ``unit`` metres."""
+    """One sensor_msgs/Image of depths: ``raw`` (height, width) as stored, in ``unit`` metres."""
 
     stamp_ns: int
     frame: str
@@ -197,16 +196,16 @@ class DepthImage:
     unit: float
 
     def metres(self) -> NDArray[np.float32]:
-        """Return the depths (height, width), metres: NaN, +Inf and 0 as they are stored."""
+        """Return the depths (height, width), metres; NaN, +Inf and 0 as stored."""
         return (self.raw.astype(np.float32) * np.float32(self.unit)).astype(np.float32)
 
 
 class NotDepthError(Exception):
-    """The image is of another encoding than depth images are."""
+    """The image's encoding is not that of a depth image."""
 
 
 def depth_image(data: bytes, *, cdr: bool) -> DepthImage:
-    """Decode a sensor_msgs/Image of the encodings :data:`DEPTHS`. Raises :class:`NotDepthError` for any other."""
+    """Decode a sensor_msgs/Image with an encoding in :data:`DEPTHS`. Raises :class:`NotDepthError` for any other."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     height, width = (int(n) for n in fields.unpack("2I", 4))
@@ -231,10 +230,10 @@ def depth_image(data: bytes, *, cdr: bool) -> DepthImage:
 
 @dataclass(frozen=True, slots=True)
 class CameraInfo:
-    """A sensor_msgs/CameraInfo: its frame, the intrinsics of the rectified image, and the lens of the raw one.
+    """A sensor_msgs/CameraInfo: its frame, the intrinsics of the rectified image, and the lens of the raw image.
 
-    The intrinsics are those of the projection matrix P, or where that is zero, of K, and those of the lens the other
-    way round.
+    The intrinsics are those of the projection matrix P or, if that is zero, of K; for the lens it is the other way
+    round.
     """
 
     frame: str
@@ -254,7 +253,7 @@ def camera_info(data: bytes, *, cdr: bool) -> CameraInfo:
     r = fields.unpack("9d", 8)
     p = fields.unpack("12d", 8)
     fields.unpack("2I", 4)  # binning
-    fields.unpack("4I", 4)  # the region of interest
+    fields.unpack("4I", 4)  # region of interest
     fields.unpack("B", 1)
     fields.end()
     of_p, of_k = (p[0], p[5], p[2], p[6]), (k[0], k[4], k[2], k[5])

@@ -1,4 +1,4 @@
-"""Depth images of sensor_msgs/CompressedImage, as ROS's compressed_depth_image_transport and others write them.
+"""Depth images in sensor_msgs/CompressedImage, as written by ROS's compressed_depth_image_transport and others.
 
 Source: ros-perception/image_transport_plugins, compressed_depth_image_transport (the format's string, the header of 12
 bytes, the quantised inverse depth of 32FC1 images); A. D. Wilson, Fast lossless depth image compression, 2017 (RVL).
@@ -18,9 +18,9 @@ from mapper.io.logs.ros.cloud_messages import DEPTHS, DepthImage, NotDepthError
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 
 COMPRESSED = "sensor_msgs/CompressedImage"
-MOST_PIXELS = 1 << 23  #: of one image: a small message may state any size
+MOST_PIXELS = 1 << 23  #: of one image, because a small message may state any size
 HEADER = "<i2f"  #: the kind of quantisation, which is not used, and its two parameters
-LONGEST = 8  #: groups of three bits of one number of RVL: 2²⁴ is more than there are pixels
+LONGEST = 8  #: groups of three bits per number in RVL: 2²⁴ exceeds the number of pixels
 
 _FORMAT = re.compile(r"(?P<encoding>\w+)\s*;\s*(?P<how>compressedDepth(?: (?P<coder>\w+))?|png compressed|\w*)\s*")
 _PNG_ERRORS = (OSError, SyntaxError, ValueError, Image.DecompressionBombError)
@@ -79,9 +79,9 @@ def _png(packed: memoryview) -> NDArray[np.uint16]:
 
 
 def _rvl(packed: memoryview) -> NDArray[np.uint16]:
-    """Return the image (height, width) of RVL: alternating runs of zeros and of differences, in groups of three bits.
+    """Decode RVL to an image (height, width): alternating runs of zeros and differences, in groups of three bits.
 
-    The first of a word's eight nibbles is its highest; a nibble of 8 and more says that its number goes on.
+    The first of a word's eight nibbles is the highest; bit 3 of a nibble means that its number continues.
     """
     if len(packed) < 8:
         raise BadMessageError("its RVL ends early")
@@ -112,6 +112,6 @@ def _rvl(packed: memoryview) -> NDArray[np.uint16]:
     within = np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
     coded = numbers[np.repeat(source, counts) + within]
     out = np.zeros(n, dtype=np.uint16)
-    # A difference is stored as 0, −1, 1, −2, …; values go on from the last one before a run of zeros.
+    # A difference is stored as 0, −1, 1, −2, …; values continue from the last one before a run of zeros.
     out[np.repeat(target, counts) + within] = np.cumsum((coded >> 1) ^ -(coded & 1), dtype=np.int64).astype(np.uint16)
     return out.reshape(height, width)

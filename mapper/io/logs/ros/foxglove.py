@@ -1,7 +1,7 @@
-"""Foxglove's messages of scans, clouds, transforms and poses, in JSON, Protocol Buffers or ROS' own, as ROS 2's.
+"""Foxglove messages with scans, clouds, transforms and poses, in JSON, Protocol Buffers or as ROS messages, to ROS 2.
 
-A scan or a cloud may state a pose of its origin in its frame: it becomes a transform to a frame of its own.
-Source: the schemas of foxglove-sdk (LaserScan, PointCloud, FrameTransform, FrameTransforms, PoseInFrame).
+If a scan or a cloud states a pose of its origin in its frame, that becomes a transform to a separate frame. Source: the
+schemas of foxglove-sdk (LaserScan, PointCloud, FrameTransform, FrameTransforms, PoseInFrame).
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ ENCODINGS = ("json", "protobuf", "cdr", "ros1")
 PACKAGES = ("foxglove", "foxglove_msgs")  #: of the schemas, in MCAP files and in ROS
 SCAN, CLOUD = "sensor_msgs/LaserScan", "sensor_msgs/PointCloud2"
 TF, POSE = "tf2_msgs/TFMessage", "geometry_msgs/PoseStamped"
-#: foxglove.PackedElementField's types of numbers → sensor_msgs/PointField's.
+#: Number types of foxglove.PackedElementField → those of sensor_msgs/PointField.
 NUMBERS = {1: 2, 2: 1, 3: 4, 4: 3, 5: 6, 6: 5, 7: 7, 8: 8}
 MOST_FIELDS, MOST_TRANSFORMS = 256, 1 << 14
-LEAST_OF_A_PART = 9  #: bytes of an element of an array of messages
-_IN_ROS = {"double": ("d", 8), "fixed32": ("I", 4), "int": ("B", 1)}  #: of a message of ROS: code, and bytes
+LEAST_OF_A_PART = 9  #: minimum size in bytes of an element of an array of messages
+_IN_ROS = {"double": ("d", 8), "fixed32": ("I", 4), "int": ("B", 1)}  #: in a ROS message: code and bytes
 LAST_SECOND = 2**31 - 1  #: ROS 2 counts seconds in 32 bits
 _XYZ = {1: Field("x", "double"), 2: Field("y", "double"), 3: Field("z", "double")}
 _QUATERNION = {**_XYZ, 4: Field("w", "double")}
@@ -51,12 +51,12 @@ _USEFUL = frozenset(
 )
 
 Values = Mapping[str, Any]
-Written = tuple[bytes | None, bytes]  #: a transform that comes first, and the message
+Written = tuple[bytes | None, bytes]  #: a preceding transform, and the message
 
 
 @dataclass(frozen=True, slots=True)
 class Transcoder:
-    """Makes the ROS messages of a topic's messages of one schema, whose ``encoding`` is one of :data:`ENCODINGS`."""
+    """Converts a topic's messages of one schema to ROS messages; ``encoding`` is one of :data:`ENCODINGS`."""
 
     topic: str
     kind: str
@@ -65,10 +65,7 @@ class Transcoder:
     write: Callable[[str, Values], Written]
 
     def messages(self, data: bytes) -> Iterator[tuple[bool, bytes]]:
-        """Yield the messages, CDR: whether it is a transform beside the message, and its bytes.
-
-        Raises :class:`BadMessageError`.
-        """
+        """Yield the messages in CDR: whether it is an additional transform, and its bytes."""
         try:
             values = self._values(data)
             beside, message = self.write(self.topic, values)
@@ -88,9 +85,9 @@ class Transcoder:
 
 
 def transcoder(topic: str, schema: str, encoding: str) -> Transcoder | None:
-    """Return what reads a topic's messages; None for another schema or encoding.
+    """Return a transcoder for a topic's messages; None for an unsupported schema or encoding.
 
-    ``schema`` is a name as ``foxglove.LaserScan`` or, of ROS, ``foxglove_msgs/msg/LaserScan``.
+    ``schema`` is a name such as ``foxglove.LaserScan`` or, for ROS, ``foxglove_msgs/msg/LaserScan``.
     """
     package, _, name = plain_type(schema.replace(".", "/")).partition("/")
     known = _SCHEMAS.get(name) if package in PACKAGES else None
@@ -101,17 +98,17 @@ def transcoder(topic: str, schema: str, encoding: str) -> Transcoder | None:
 
 
 def is_of_use(kind: str) -> bool:
-    """Return whether messages of a type, as ``sensor_msgs/LaserScan``, would be read in another serialisation."""
+    """Return whether messages of a type, such as ``sensor_msgs/LaserScan``, would be read in another serialisation."""
     return kind.rpartition("/")[2].rpartition(".")[2] in _USEFUL
 
 
 def _of_ros(data: bytes, table: Table, *, cdr: bool) -> dict[str, Any]:
-    """Return the values of a message of foxglove_msgs; what newer releases append to it is skipped."""
+    """Return the values of a foxglove_msgs message; fields appended by newer releases are skipped."""
     return _fields_of_ros(MessageFields(data, cdr=cdr), table)
 
 
 def _fields_of_ros(fields: MessageFields, table: Table) -> dict[str, Any]:
-    """Return the next fields of a message of ROS, which are those of the table in its order."""
+    """Return the next fields of a ROS message in the order of the table."""
     values: dict[str, Any] = {}
     for number in sorted(table):
         field = table[number]
@@ -194,7 +191,7 @@ def _transforms(items: list[Values]) -> bytes:
 
 
 def _placed(topic: str, values: Values) -> tuple[int, str, bytes | None]:
-    """Return the stamp, the frame of the message's origin, and the transform to it where that is one of its own."""
+    """Return the stamp, the frame of the message's origin, and the transform to it if it is a separate frame."""
     stamp, frame = _stamp(values.get("timestamp")), str(values.get("frame_id", ""))
     position, turn = _pose_of(values.get("pose") or {})
     if not any(position) and not any(turn[:3]):
@@ -205,7 +202,7 @@ def _placed(topic: str, values: Values) -> tuple[int, str, bytes | None]:
 
 
 def _pose_of(values: Values) -> tuple[list[float], list[float]]:
-    """Return x, y, z, and the quaternion x, y, z, w: the identity where none is stated."""
+    """Return x, y, z, and the quaternion x, y, z, w; the identity if not stated."""
     position, turn = values.get("position") or {}, values.get("orientation") or {"w": 1.0}
     return (
         [_number(position.get(axis, 0.0)) for axis in "xyz"],
@@ -214,12 +211,12 @@ def _pose_of(values: Values) -> tuple[list[float], list[float]]:
 
 
 def _number(value: float | str | None) -> float:
-    """Return a number of JSON, which has no infinity: writers put a name, or null, in its place."""
+    """Return a JSON number; JSON has no infinity, so writers use a name or null instead."""
     return float("nan") if value is None else float(value)
 
 
 def _stamp(value: str | dict[str, int] | None) -> int:
-    """Return a time in nanoseconds, 0 where none is stated that ROS can."""
+    """Return a time in nanoseconds, 0 if none is stated that ROS can represent."""
     if isinstance(value, str):
         moment = datetime.fromisoformat(value)
         seconds, nanoseconds = int(moment.timestamp() // 1), moment.microsecond * 1000

@@ -1,7 +1,7 @@
-"""The fields of one serialised ROS message, read one after the other.
+"""Sequential reading of the fields of a serialised ROS message.
 
-Every length is checked against the bytes that are there before anything is made of it. Source: the ROS wiki's technical
-overview (serialisation of ROS 1); OMG DDSI-RTPS, 10 (CDR and its encapsulation header).
+Every length is checked against the available bytes before it is used. Source: the ROS wiki's technical overview
+(serialisation of ROS 1); OMG DDSI-RTPS, 10 (CDR and its encapsulation header).
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ Pose7 = tuple[float, float, float, float, float, float, float]  #: x y z, and th
 
 
 class BadMessageError(Exception):
-    """The bytes are no message of the type that they are said to have; its text says why, where that is known."""
+    """The bytes are not a message of the stated type; the text is the reason, if known."""
 
 
 class MessageFields:
-    """The fields of one message, in their order."""
+    """The fields of one message, in order."""
 
     def __init__(self, data: bytes, *, cdr: bool) -> None:
         self.data = data
@@ -33,7 +33,7 @@ class MessageFields:
             self.pos = self.origin = 4
 
     def unpack(self, code: str, size: int) -> tuple[float, ...]:
-        """Return numbers of one kind, of ``size`` bytes each; CDR aligns the first to its size."""
+        """Return numbers of one type, of ``size`` bytes each; CDR aligns the first to its size."""
         if self.cdr:
             self.pos += -(self.pos - self.origin) % size
         try:
@@ -44,14 +44,14 @@ class MessageFields:
         return values
 
     def count(self, least_bytes: int) -> int:
-        """Return the length of what follows, of which each element has at least ``least_bytes``."""
+        """Return the length of the following sequence, whose elements have at least ``least_bytes`` each."""
         n = int(self.unpack("I", 4)[0])
         if n * least_bytes > len(self.data) - self.pos:
             raise BadMessageError
         return n
 
     def string(self) -> str:
-        """Return a string, without the zero at its end."""
+        """Return a string without its terminating zero."""
         n = self.count(1)
         text = self.data[self.pos : self.pos + n]
         self.pos += n
@@ -67,17 +67,17 @@ class MessageFields:
     def header(self) -> tuple[int, str]:
         """Return a std_msgs/Header's stamp in nanoseconds, and its frame."""
         if not self.cdr:
-            self.unpack("I", 4)  # seq, which ROS 2 dropped
+            self.unpack("I", 4)  # seq, which ROS 2 removed
         (seconds,) = self.unpack("i" if self.cdr else "I", 4)
         (nanoseconds,) = self.unpack("I", 4)
         return int(seconds) * 1_000_000_000 + int(nanoseconds), self.frame()
 
     def frame(self) -> str:
-        """Return a frame's name; tf of ROS 1 still wrote a slash before it."""
+        """Return a frame name; tf of ROS 1 still wrote a leading slash."""
         return self.string().lstrip("/")
 
     def bytes(self) -> memoryview:
-        """Return a uint8[] as it is, not copied."""
+        """Return a uint8[] without copying."""
         n = self.count(1)
         values = memoryview(self.data)[self.pos : self.pos + n]
         self.pos += n

@@ -1,4 +1,4 @@
-"""Messages in the Protocol Buffers wire format, by tables of the fields that are wanted.
+"""Decoding of the Protocol Buffers wire format with tables of the required fields.
 
 Source: protobuf.dev/programming-guides/encoding.
 """
@@ -14,28 +14,28 @@ from mapper.io.logs.ros.message_fields import BadMessageError
 
 VARINT, BITS64, LENGTH, BITS32 = 0, 1, 2, 5  #: wire types
 MOST_VARINT_BYTES = 10
-MAX_DEPTH = 100  #: messages within messages, as in the official decoders
-#: Kinds of numbers of one size → the wire type of one, its code of :mod:`struct` and its bytes.
+MAX_DEPTH = 100  #: nesting depth of messages, as in the official decoders
+#: Fixed-size number types → wire type, :mod:`struct` code and size in bytes.
 FIXED = {
     "double": (BITS64, "d", 8), "fixed64": (BITS64, "Q", 8), "sfixed64": (BITS64, "q", 8),
     "float": (BITS32, "f", 4), "fixed32": (BITS32, "I", 4), "sfixed32": (BITS32, "i", 4),
 }  # fmt: skip
-#: Kinds of numbers of any number of bytes → the number of the 64 bits that they hold.
+#: Variable-size number types → conversion from their 64 bits.
 VARYING: dict[str, Callable[[int], int]] = {
     "int": lambda bits: bits - (1 << 64) if bits >= 1 << 63 else bits,
     "uint": lambda bits: bits,
     "sint": lambda bits: (bits >> 1) ^ -(bits & 1),
     "bool": bool,
 }
-_CONTINUED = bytes(range(0x80, 0x100))  #: the bytes of a varint that another follows
+_CONTINUED = bytes(range(0x80, 0x100))  #: bytes of a varint with a continuation bit
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One field of a message: its name and what it is.
+    """One field of a message: its name and type.
 
-    ``kind`` is one of :data:`FIXED` and :data:`VARYING`, "string", "bytes" or, for a message, its own table. Of a
-    ``repeated`` one all values are kept, in a list. A message without an ``implied`` one has its zero.
+    ``kind`` is one of :data:`FIXED` and :data:`VARYING`, "string", "bytes" or, for a message, its own table. For a
+    ``repeated`` field all values are kept, in a list. A missing ``implied`` field has its zero value.
     """
 
     name: str
@@ -48,9 +48,9 @@ Table = Mapping[int, Field]
 
 
 def decoded(data: bytes, table: Table, depth: int = 0) -> dict[str, Any]:
-    """Return the fields of a message that ``table`` names; one that is missing is left out.
+    """Return the fields of a message listed in ``table``; missing ones are omitted.
 
-    ``depth`` is that of the message in others. Raises :class:`BadMessageError`.
+    ``depth`` is the nesting depth of the message. Raises :class:`BadMessageError`.
     """
     if depth > MAX_DEPTH:
         raise BadMessageError
@@ -78,10 +78,7 @@ def _values(field: Field, wire: int, value: int | bytes, depth: int) -> list[Any
 
 
 def numbers(kind: str, wire: int, value: int | bytes, most: int | None = None) -> tuple[list[Any], int]:
-    """Return the first ``most`` numbers of a field, of which several may be packed into one, and how many there are.
-
-    Raises :class:`BadMessageError`.
-    """
+    """Return the first ``most`` numbers of a field, which may be packed, and how many there are."""
     if kind in FIXED:
         single, code, size = FIXED[kind]
         raw = bytes_of(value)
@@ -102,7 +99,7 @@ def numbers(kind: str, wire: int, value: int | bytes, most: int | None = None) -
 
 
 def bytes_of(value: int | bytes) -> bytes:
-    """Return the value of a field that has a length. Raises :class:`BadMessageError` for another one."""
+    """Return the value of a length-delimited field. Raises :class:`BadMessageError` for another type."""
     if not isinstance(value, bytes):
         raise BadMessageError
     return value

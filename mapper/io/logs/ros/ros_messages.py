@@ -1,9 +1,9 @@
-"""The few ROS messages that a map is made of, decoded from their serialised bytes.
+"""Decoding of the few ROS message types used for maps.
 
-One fixed decoder for the message types below, in both serialisations: that of ROS 1, and CDR (ROS 2). A library that
-decodes any message takes its definition from the file; here no definition is ever read from a file, so none can
-redefine a type, refer to itself or claim ``string[1000000]``, and every length is checked against the bytes that are
-there before anything is made of it. The tests compare it with rosbags' decoder.
+There is one fixed decoder for each message type below, for both serialisations: ROS 1's, and CDR (ROS 2). A library
+that decodes any message uses the definition in the file. Here no definition is ever read from a file, so none can
+redefine a type, refer to itself or claim ``string[1000000]``, and every length is checked against the available bytes
+before it is used. The tests compare it with rosbags' decoder.
 
 Source: the message definitions of sensor_msgs, nav_msgs, tf2_msgs and geometry_msgs; the ROS wiki's technical overview
 (serialisation of ROS 1); OMG DDSI-RTPS, 10 (CDR and its encapsulation header); REP 117.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields, Pose7
 
-MOST_ECHOES = 1 << 21  #: of one message, with its intensities: what is more is no scan, and would take gigabytes
+MOST_ECHOES = 1 << 21  #: of one message, including intensities; more would not be a scan, and need gigabytes
 MOST_TRANSFORMS = 1 << 14  #: of one message
 
 
@@ -28,8 +28,8 @@ class Beams:
     """One reading of a range sensor: ``ranges`` (n_beams,) float32 metres, beam i at ``angle_min + i · increment``.
 
     ``beam_width`` is the opening of a sonar's cone in radians, 0 for a lidar. ``time_increment`` (s/beam) and
-    ``scan_time`` (s) are as stated, which may be NaN, as is ``angle_max``, which may contradict the others. ``mount``
-    is ``T_base_scan`` (m, m, rad) of a scan that was cut out of a cloud: tf says it of all others.
+    ``scan_time`` (s) are as stated, possibly NaN, as is ``angle_max``, which may contradict the others. ``mount`` is
+    ``T_base_scan`` (m, m, rad) of a scan extracted from a cloud; for all others it comes from tf.
     """
 
     stamp_ns: int
@@ -48,7 +48,7 @@ class Beams:
 
 @dataclass(frozen=True, slots=True)
 class StampedPose:
-    """``T_frame_child`` at a time, and the speed, m/s, that the message states as well, 0 where it states none."""
+    """``T_frame_child`` at a time, and the stated speed, m/s, 0 if not stated."""
 
     stamp_ns: int
     frame: str
@@ -80,7 +80,7 @@ def laser_scan(data: bytes, *, cdr: bool) -> Beams:
 
 
 def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
-    """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
+    """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without echoes is no return, +inf."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     angle_min, angle_max, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
@@ -125,7 +125,7 @@ def range_reading(data: bytes, *, cdr: bool) -> Beams:
     stamp, frame = fields.header()
     fields.unpack("B", 1)  # ultrasound or infrared
     width, range_min, range_max, reading = fields.unpack("4f", 4)
-    fields.end(at_most=4)  # newer ones state a variance
+    fields.end(at_most=4)  # newer ones have a variance
     return Beams(stamp, frame, 0.0, 0.0, range_min, range_max, np.array([reading], dtype=np.float32), width)
 
 
@@ -135,7 +135,7 @@ def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
     stamp, frame = fields.header()
     child = fields.frame()
     pose = fields.pose()
-    x, y = fields.unpack("78d", 8)[36:38]  # behind its covariance; then the twist's covariance
+    x, y = fields.unpack("78d", 8)[36:38]  # after its covariance; then the twist's covariance
     fields.end()
     return [StampedPose(stamp, frame, child, pose, math.hypot(x, y))]
 
@@ -170,7 +170,7 @@ def transform_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 
 def pose(data: bytes, *, cdr: bool) -> list[StampedPose]:
-    """Decode a geometry_msgs/Pose, which states neither a time nor a frame."""
+    """Decode a geometry_msgs/Pose, which has neither a time nor a frame."""
     fields = MessageFields(data, cdr=cdr)
     stamped = fields.pose()
     fields.end()
@@ -178,7 +178,7 @@ def pose(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 
 def pose_2d(data: bytes, *, cdr: bool) -> list[StampedPose]:
-    """Decode a geometry_msgs/Pose2D, x, y and theta, which states neither a time nor a frame."""
+    """Decode a geometry_msgs/Pose2D, x, y and theta, which has neither a time nor a frame."""
     fields = MessageFields(data, cdr=cdr)
     x, y, theta = fields.unpack("3d", 8)
     fields.end()
@@ -186,7 +186,7 @@ def pose_2d(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 
 def path(data: bytes, *, cdr: bool) -> list[StampedPose]:
-    """Decode a nav_msgs/Path: its poses, in the frame of the whole."""
+    """Decode a nav_msgs/Path: its poses, in the frame of the path."""
     fields = MessageFields(data, cdr=cdr)
     _, frame = fields.header()
     stamped = []
@@ -199,7 +199,7 @@ def path(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 @dataclass(frozen=True, slots=True)
 class ImuReading:
-    """One sensor_msgs/Imu: rad/s, m/s², and the quaternion x y z w, NaN where no orientation is stated."""
+    """One sensor_msgs/Imu: rad/s, m/s², and the quaternion x y z w, NaN without orientation."""
 
     stamp_ns: int
     frame: str
@@ -219,12 +219,12 @@ def imu(data: bytes, *, cdr: bool) -> ImuReading:
     accelerations = fields.unpack("3d", 8)
     fields.unpack("9d", 8)
     fields.end()
-    # A covariance that begins with −1 says that there is no orientation.
+    # A covariance that starts with −1 means no orientation.
     return ImuReading(stamp, frame, (math.nan,) * 4 if covariance[0] == -1.0 else orientation, rates, accelerations)
 
 
 def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
-    """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
+    """Decode a tf2_msgs/TFMessage, or tf/tfMessage of ROS 1."""
     fields = MessageFields(data, cdr=cdr)
     stamped = []
     n = fields.count(72)
@@ -240,7 +240,7 @@ def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 PATH = "nav_msgs/Path"
 WITHOUT_HEADER = ("geometry_msgs/Pose", "geometry_msgs/Pose2D")  #: types of poses without time and frame
-#: Type, without the ``msg`` that ROS 2 puts in the middle → its decoder.
+#: Type, without the ``msg`` inserted by ROS 2 → decoder.
 SENSORS = {
     "sensor_msgs/LaserScan": laser_scan,
     "sensor_msgs/MultiEchoLaserScan": multi_echo_scan,

@@ -1,1 +1,1 @@
-"""Readers of logs that are text, one file per format, and what they share."""
+"""Readers of text logs, one module per format, and shared code."""

@@ -1,12 +1,12 @@
-"""BreezySLAM's ``.dat`` logs: the mine rover of Mines ParisTech, one scan and its wheel encoders to a line.
+"""BreezySLAM's ``.dat`` logs of the mine rover of Mines ParisTech: one scan and wheel encoder readings per line.
 
-Source: the example programs of BreezySLAM (Levy; after Steux & El Hamzaoui, CoreSLAM, 2010). Whole numbers with spaces
-between: the time in microseconds, one column not used, the ticks of the left and of the right wheel, twenty columns not
-used, the distances in millimetres, one more column not used.
+Source: the example programs of BreezySLAM (Levy; after Steux & El Hamzaoui, CoreSLAM, 2010). A line has integers
+separated by spaces: the time in microseconds, one unused column, the ticks of the left and right wheel, twenty unused
+columns, the distances in millimetres, one unused column.
 
-The robot's constants are not in the file; they are those of the examples: wheels of 77 mm radius with 2,000 ticks a
-turn, 330 mm apart, and the lidar 145 mm ahead of their axle. The lidar is a Hokuyo URG-04LX: of the 1,024 steps of a
-turn it reports 44 to 725, with 384 ahead; distances below 20 mm are its error codes, and it measures up to 5.6 m.
+The robot's constants are not in the file; they are those of the examples: wheels of 77 mm radius with 2,000 ticks per
+revolution, 330 mm apart, and the lidar 145 mm ahead of their axle. The lidar is a Hokuyo URG-04LX: of the 1,024 steps
+of a turn it reports 44 to 725, with 384 ahead; distances below 20 mm are error codes, and the maximum range is 5.6 m.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _LINE = re.compile(rb"\s*[0-9]+(?:[ \t]+-?[0-9.]+){25,}\s*\Z")
 
 
 def is_breezyslam(head: bytes) -> bool:
-    """Return whether the first line of a text is one of these: many numbers, the first a whole one."""
+    """Return whether the first line of a text is in this format: many numbers, the first an integer."""
     return _LINE.match(head.split(b"\n", 1)[0]) is not None
 
 
@@ -51,7 +51,7 @@ class _Reader:
         self.stack = ScanStack("BreezySLAM", limits)
 
     def take(self, line: int, text: bytes) -> None:
-        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         tokens = text.decode("latin-1").split()
         if not tokens:
             return
@@ -76,9 +76,9 @@ class _Reader:
 
 
 def wheel_poses(ticks: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return ``T_start_base`` (n, 3) from the ticks (n, 2) of the left and the right wheel.
+    """Return ``T_start_base`` (n, 3) from the ticks (n, 2) of the left and right wheel.
 
-    Each step is an arc; its chord points half its turn ahead. Source: Probabilistic Robotics, 5.4; Siegwart &
+    Each step is an arc, whose chord has half its turn as direction. Source: Probabilistic Robotics, 5.4; Siegwart &
     Nourbakhsh, 5.2.4.
     """
     left, right = np.diff(ticks, axis=0).T * (2.0 * math.pi * WHEEL_RADIUS / TICKS_PER_TURN)
@@ -93,10 +93,7 @@ def wheel_poses(ticks: NDArray[np.float64]) -> NDArray[np.float64]:
 def read_breezyslam(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the BreezySLAM log at ``path``, plain or packed.
-
-    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
-    """
+    """Return the BreezySLAM log at ``path``, plain or compressed."""
     reader = _Reader(limits)
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A BreezySLAM log")
     stack = reader.stack

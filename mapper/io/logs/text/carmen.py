@@ -1,7 +1,7 @@
 """CARMEN logs: FLASER, RLASER, ROBOTLASER1, ROBOTLASER2, ODOM, TRUEPOS and PARAM lines.
 
-Source: the header that CARMEN's logger writes, and its log reader (readlog.c). One message per line, times in
-seconds, metres, radians::
+Source: the header written by CARMEN's logger, and its log reader (readlog.c). One message per line, in seconds, metres
+and radians::
 
     FLASER n r1 … rn  x y theta  odom_x odom_y odom_theta  stamp host logger_stamp      (x y theta: the laser's pose)
     ROBOTLASER1 type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
@@ -12,12 +12,11 @@ seconds, metres, radians::
     TRUEPOS x y theta odom_x odom_y odom_theta  stamp host logger_stamp
     PARAM name value …
 
-LASER lines are read as FLASER lines, which state neither angles nor range
-(:func:`mapper.io.logs.text.carmen_beams.front_laser_beams`). The poses of RAWLASER1 to RAWLASER4 are those of the ODOM
-or TRUEPOS lines at their times. Readings of 80 m or more are the SICK's "no return" (81.83 m: its 13-bit readings from
-8183 on are codes). Words that are not listed here are ignored and counted in the notes. Lines of one sensor may state
-different beams and maximum ranges: each scan is read as its line states it
-(:func:`mapper.io.logs.grouping.scan_groups.scan_groups`).
+LASER lines are read like FLASER lines, which state neither angles nor range
+(:func:`mapper.io.logs.text.carmen_beams.front_laser_beams`). The poses of RAWLASER1 to RAWLASER4 come from the ODOM or
+TRUEPOS lines at their times. Readings of 80 m or more are the SICK's "no return" (81.83 m: its 13-bit readings from
+8183 on are codes). Other lines are ignored and counted in the notes. Lines of one sensor may state different beams and
+maximum ranges; each scan is interpreted by its own line (:func:`mapper.io.logs.grouping.scan_groups.scan_groups`).
 """
 
 from __future__ import annotations
@@ -52,21 +51,21 @@ from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 RAW = ("RAWLASER1", "RAWLASER2", "RAWLASER3", "RAWLASER4")  #: scans without poses
-#: The sensor that is taken, where there are several.
+#: The sensor used if there are several.
 PREFERENCE = ("ROBOTLASER1", "FLASER", "LASER", "RLASER", "ROBOTLASER2", *RAW)
 FRONT = ("ROBOTLASER1", "FLASER", "LASER", "RAWLASER1")
 REAR = ("RLASER", "ROBOTLASER2", "RAWLASER2")
 WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "VERTEX2", "EDGE2"})
-PLAIN = ("FLASER", "LASER", "RLASER")  #: lines that state no angles
+PLAIN = ("FLASER", "LASER", "RLASER")  #: lines without angles
 _PLAIN_LINES = tuple(f"{word} ".encode() for word in PLAIN)
-LASERS, ROBOTS, TRUE = "the laser’s", "the robot’s", "the true"  #: whose poses lines state
+LASERS, ROBOTS, TRUE = "the laser’s", "the robot’s", "the true"  #: owners of stated poses
 _MESSAGE_WORD = re.compile(r"[A-Z][A-Z0-9_]*\Z")
-_SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are one pose, written down with few digits
-_NEAR_M = 0.2  #: what interpolation may add between the odometry and a scan's own pose
+_SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are equal, written with few digits
+_NEAR_M = 0.2  #: maximum effect of interpolation between the odometry and a scan's own pose
 
 
 class _Messages:
-    """Poses that come in lines of their own: ODOM or TRUEPOS."""
+    """Poses in separate lines: ODOM or TRUEPOS."""
 
     def __init__(self) -> None:
         self._poses = array("d")
@@ -89,7 +88,7 @@ class _Messages:
 
 
 class CarmenReader:
-    """Takes a log line by line; :meth:`log` packs what it took."""
+    """Processes a log line by line; :meth:`log` packs the result."""
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
@@ -97,10 +96,10 @@ class CarmenReader:
         self.odometry = _Messages()
         self.truth = _Messages()
         self.parameters: dict[str, float] = {}
-        self._not_stated: dict[str, str] = {}  #: parameters that cannot be as a line states them → a note
+        self._not_stated: dict[str, str] = {}  #: parameters with an implausible value → a note
         self.ignored: Counter[str] = Counter()
-        self._offset = NO_OFFSET  #: of poses that are georeferenced
-        self._is_far: dict[str, bool] = {}  #: of whose poses → whether they are
+        self._offset = NO_OFFSET  #: of georeferenced poses
+        self._is_far: dict[str, bool] = {}  #: owner of the poses → whether they are far from the origin
         self._take: dict[str, Callable[[list[str], int], None]] = {
             **dict.fromkeys(PLAIN, self._take_laser),
             "ROBOTLASER1": self._take_robot_laser,
@@ -113,11 +112,11 @@ class CarmenReader:
 
     @property
     def n_scans(self) -> int:
-        """Scans taken so far, of all sensors."""
+        """Number of scans so far, of all sensors."""
         return sum(sensor.n_scans for sensor in self.sensors.values())
 
     def take(self, line: int, text: bytes) -> None:
-        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         if text.startswith(_PLAIN_LINES) and self._take_plain_laser(text, line):
             return
         tokens = text.decode("latin-1").split()
@@ -139,7 +138,7 @@ class CarmenReader:
         return self.sensors[word]
 
     def _pose(self, tokens: list[str], line: int, word: str, whose: str) -> list[float]:
-        """Return the pose of a line, less the offset of the log where those of its kind are georeferenced.
+        """Return the pose of a line, minus the log's offset if poses of this kind are georeferenced.
 
         All lines have one offset, so that poses of several kinds stay together.
         """
@@ -165,7 +164,9 @@ class CarmenReader:
         return (len(self.odometry), len(self.truth))
 
     def _take_plain_laser(self, text: bytes, line: int) -> bool:
-        """Take a whole line of a laser as CARMEN writes it, faster; False, and nothing taken, for any other."""
+        """Process a complete laser line as written by CARMEN, faster; return False, without effect, for any other
+        line.
+        """
         head, *tail = text.rsplit(b" ", 9)
         word, stated, readings = [*head.split(b" ", 2), b"", b""][:3]
         rest = b" ".join(tail).decode("latin-1").split()
@@ -178,7 +179,7 @@ class CarmenReader:
         return True
 
     def _add_laser(self, word: str, readings: list[float], rest: list[str], line: int) -> None:
-        """Add a scan; ``rest`` is what follows its readings: the poses, the stamp."""
+        """Add a scan; ``rest`` is what follows its readings: poses and stamp."""
         laser = self._pose(rest[0:3], line, word, LASERS)
         robot = self._pose(rest[3:6], line, word, ROBOTS)
         stamp = fields.stamp(rest[6], line, word)
@@ -198,7 +199,7 @@ class CarmenReader:
         if len(tokens) < 9:
             raise ReadError("log.truncated_line", f"Line {line}: this {word} line ends before its number of beams.")
         n = fields.count(tokens[8], line, word, "beams", self.limits.max_beams)
-        # Behind the remissions there are the laser's and the robot's pose and five numbers, in all but raw lines.
+        # After the remissions come the laser's and the robot's pose and five numbers, except in raw lines.
         more = 0 if word in RAW else 11
         if len(tokens) < n + 10:
             fields.require_fields(tokens, (n + more + 11, n + more + 13), line, word, f"{n} beams")
@@ -222,7 +223,7 @@ class CarmenReader:
             )
         pose = self._pose(tokens[1:4], line, "ODOM", ROBOTS)
         (stamp,) = fields.numbers(tokens[7:8], line, "ODOM")
-        # Corrected logs carry stamps that were never set; they only weigh neighbours, so none is worth an error.
+        # Corrected logs have stamps that were never set; they are only interpolation weights, so they are not errors.
         self.odometry.add(pose, stamp if abs(stamp) < fields.MAX_STAMP else 0.0)
 
     def _take_truth(self, tokens: list[str], line: int) -> None:
@@ -234,13 +235,13 @@ class CarmenReader:
         self.truth.add(pose, fields.stamp(tokens[7], line, "TRUEPOS"))
 
     def _take_parameter(self, tokens: list[str], line: int) -> None:
-        """Keep the few parameters that concern the lasers; the others may hold any text."""
+        """Keep the few parameters of the lasers; others may contain any text."""
         if len(tokens) < 3 or tokens[1] not in _PARAMETERS:
             return
         (value,) = fields.numbers(tokens[2:3], line, "PARAM")
         name, unit = _PARAMETERS[tokens[1]]
         if name.endswith(("_max", "_fov", "_resolution")) and value <= 0.0:
-            # As robots without such a laser have it, and simulators without a limit.
+            # Values of robots without such a laser, and of simulators without a limit.
             self._not_stated[name] = (
                 f"PARAM {tokens[1]} is {value:g} {unit}, which no laser has: it counts as not stated."
             )
@@ -250,10 +251,7 @@ class CarmenReader:
         self.parameters[name] = value
 
     def log(self, name: str, notes: list[str], topic: str | None = None) -> ScanLog:
-        """Return the scans of one sensor, the preferred one where ``topic`` names none.
-
-        Raises :class:`ReadError` if there is none.
-        """
+        """Return the scans of one sensor, the preferred one if ``topic`` names none."""
         word = self._chosen(topic)
         sensor = self.sensors[word]
         notes += [note for parameter, note in self._not_stated.items() if parameter.startswith(_side_of(word))]
@@ -324,9 +322,9 @@ class CarmenReader:
         return parts[0] if len(parts) == 1 else JointLog.of(parts)
 
     def _odometry(self, sensor: ScanStack, trajectories: Mapping[str, Trajectory]) -> OdometryRecords | None:
-        """Return the ODOM messages around the scans of a sensor, in the order of the log; None where there is none.
+        """Return the ODOM messages around the scans of a sensor, in log order; None if there are none.
 
-        They are without those that only restart the odometry (:func:`mapper.io.logs.text.interpolation.restarts`).
+        Messages that only restart the odometry are excluded (:func:`mapper.io.logs.text.interpolation.restarts`).
         """
         if not len(self.odometry):
             return None
@@ -336,13 +334,13 @@ class CarmenReader:
             poses = without_restarts(poses, restart)
         kept_before = np.concatenate([[0], np.cumsum(~restart)])
         messages = TimedPoses(np.round(stamps[~restart] * 1e9).astype(np.int64), poses[~restart])
-        # What the scan lines themselves state, where that is odometry: it needs no stamps, which may run backwards.
+        # The poses of the scan lines, if they are odometry, which need no stamps (those may run backwards).
         stated = (trajectories[name] for name in ("odom", "scan", "wheel") if name in trajectories)
         at_scans = next((trajectory.poses for trajectory in stated if trajectory.frame_id == "odom"), None)
         return OdometryRecords(messages, kept_before[before] - 1, at_scans)
 
     def _chosen(self, topic: str | None) -> str:
-        """Return the word of the sensor whose scans are taken. Raises :class:`ReadError` where there is none."""
+        """Return the word of the selected sensor's lines. Raises :class:`ReadError` if there is none."""
         if not self.sensors:
             raise ReadError(
                 "log.no_scans", "The log holds no scans: it has no FLASER, LASER, RLASER, ROBOTLASER or RAWLASER line."
@@ -352,7 +350,7 @@ class CarmenReader:
         return topic or next(word for word in PREFERENCE if word in self.sensors)
 
     def _topics(self, chosen: str, mount: tuple[float, float, float]) -> tuple[Topic, ...]:
-        """Return the sensors, and the other messages that were taken."""
+        """Return the sensors, and the other messages read."""
         topics = []
         for word, stack in sorted(self.sensors.items(), key=lambda item: -item[1].n_scans):
             step = float(np.median(np.diff(np.sort(stack.stamps)))) if stack.n_scans > 1 else 0.0
@@ -376,22 +374,22 @@ class CarmenReader:
         return self.parameters.get(f"{_side_of(word)}_{which}")
 
     def _beams(self, word: str, kind: int) -> Beams:
-        """Return the beams of some of a sensor's scans: as they are stated, or else by their number and the parameters.
+        """Return the beams of some of a sensor's scans: as stated, or else from their number and the parameters.
 
-        ``kind`` is an index in the sensor's :attr:`ScanStack.kinds`.
+        ``kind`` is an index into the sensor's :attr:`ScanStack.kinds`.
         """
         n_beams, stated = self.sensors[word].kinds[kind]
         if isinstance(stated, Beams):
             return stated
         fov, resolution = self._parameter(word, "fov"), self._parameter(word, "resolution")
-        # Programs write the field of view in degrees or radians; of both it is less than one turn.
+        # Programs write the field of view in degrees or radians; the interpretation below one turn is used.
         in_radians = None if fov is None else fov if fov <= 2.0 * math.pi + 0.01 else math.radians(fov)
         step = None if resolution is None else math.radians(resolution)
         beams = front_laser_beams(n_beams, word, in_radians, step)
         return replace(beams, range_max=self._parameter(word, "max"))
 
     def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
-        """Return ``T_base_laser``: what PARAM states, else the difference of a line's two poses, if always the same."""
+        """Return ``T_base_laser``: from PARAM, else the difference of a line's two poses if it is constant."""
         yaw = math.pi if sensor.word in REAR else 0.0
         ahead, aside, turned = (
             self._parameter(sensor.word, which) for which in ("offset", "side_offset", "angular_offset")
@@ -411,7 +409,7 @@ class CarmenReader:
             return (0.0, 0.0, yaw)
         first = relative[0]
         if _same_pose(first, np.zeros(3)):
-            # A log that was simplified to one pose per scan says nothing of a mount.
+            # A log reduced to one pose per scan does not determine the mount.
             return (0.0, 0.0, yaw)
         notes.append(
             f"The laser’s mount is taken from the scan lines’ two poses: {first[0]:.3f} m, {first[1]:.3f} m, "
@@ -439,7 +437,7 @@ class CarmenReader:
             at_scans = poses_at_scans(poses, stamps, before, sensor.stamps)
             trajectories["wheel"] = Trajectory(at_scans, text, "odom", offset=self._offset_of(ROBOTS))
             if _is_near(scan, trajectories["wheel"].poses):
-                # Nothing has corrected the scans' poses: they are the odometry.
+                # The scans' poses are uncorrected odometry.
                 trajectories["scan"] = replace(trajectories["scan"], frame_id="odom")
         return trajectories | self._true_trajectory(sensor)
 
@@ -454,7 +452,7 @@ class CarmenReader:
         return {"truepos": Trajectory(poses, text, "map", offset=self._offset_of(TRUE))}
 
     def _trajectories_of_raw(self, sensor: ScanStack) -> dict[str, Trajectory]:
-        """Return the poses at scans whose lines state none: those of other lines, or zeros."""
+        """Return the poses at scans without poses in their lines: those of other lines, or zeros."""
         trajectories = {}
         if len(self.odometry):
             poses = poses_at_scans(self.odometry.poses, self.odometry.stamps, sensor.odometry_before, sensor.stamps)
@@ -472,7 +470,7 @@ class CarmenReader:
         return {"standing still": still}
 
 
-#: Name in a log → its name here, and its unit.
+#: Name in a log → our name and the unit.
 _PARAMETERS = {
     **{
         f"robot_{side}laser_{which}": (f"{side}_{which}", "m")
@@ -485,7 +483,7 @@ _PARAMETERS = {
         for side in ("front", "rear")
         for which in ("fov", "resolution")
     },
-    # As later versions of CARMEN number the lasers: the first is in front.
+    # In later versions of CARMEN the first laser is at the front.
     **{
         f"laser_laser{number}_{which}": (f"{side}_{which}", "degrees")
         for number, side in ((1, "front"), (2, "rear"))
@@ -495,7 +493,7 @@ _PARAMETERS = {
 
 
 def _side_of(word: str) -> str:
-    """Return where the laser of lines ``word`` is, by the names of its parameters."""
+    """Return the position of the laser of lines ``word`` in the names of its parameters."""
     return "front" if word in FRONT else "rear" if word in REAR else "other"
 
 
@@ -505,25 +503,22 @@ def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
 
 
 def _is_near(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
-    """Return whether nine tenths of the poses (n, 3) are within :data:`_NEAR_M` of one another."""
+    """Return whether nine tenths of the poses (n, 3) are within :data:`_NEAR_M` of each other."""
     return bool(len(a)) and float(np.quantile(np.hypot(*(a - b)[:, :2].T), 0.9)) < _NEAR_M
 
 
 def read_carmen(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CARMEN log at ``path``, plain or packed; ``topic`` is the word of the sensor's lines.
-
-    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
-    """
+    """Return the CARMEN log at ``path``, plain or compressed; ``topic`` is the word of the sensor's lines."""
     reader, notes = _read(path, limits, progress)
     return reader.log(path.name, notes, topic)
 
 
 def read_carmen_sensors(path: Source, limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
-    """Return the sensors of the CARMEN log at ``path`` that are selected, the preferred one first.
+    """Return the selected sensors of the CARMEN log at ``path``, the preferred one first.
 
-    Raises as :func:`read_carmen`.
+    Raises the errors of :func:`read_carmen`.
     """
     reader, notes = _read(path, limits, progress)
     words: Sequence[str | None] = selection.topics or [None]

@@ -1,4 +1,4 @@
-"""The beams of CARMEN's lasers: as their scan lines state them, or else by their number.
+"""Beams of CARMEN's lasers: as stated by their scan lines, or else derived from their number.
 
 Source of the numbers: the readers of gmapping (carmenconfiguration.cpp), MRPT (carmen_log_tools) and CARMEN
 (readlog.c); the manuals of SICK's LMS 200, LMS 511 and TiM, and of Hokuyo's URG-04LX and UTM-30LX.
@@ -15,7 +15,7 @@ from mapper.sensors.scan import is_angle_step
 
 @dataclass(frozen=True, slots=True)
 class Beams:
-    """Beams of one sensor, radians and metres, as its scan lines describe them; or ``is_assumed``, a guess."""
+    """Beams of one sensor, radians and metres, as stated by its scan lines or, if ``is_assumed``, a guess."""
 
     angle_min: float
     angle_increment: float
@@ -24,10 +24,10 @@ class Beams:
     is_assumed: bool = False
 
 
-NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
-HOKUYO_STEP = 360.0 / 1024.0  #: degrees: the step of a Hokuyo URG-04LX
+NO_RETURN = 80.0  #: metres: larger readings of a SICK LMS are no returns, if no maximum range is stated
+HOKUYO_STEP = 360.0 / 1024.0  #: degrees: angular step of a Hokuyo URG-04LX
 
-#: Number of beams → degrees from one to the next, and whether every reader agrees on it.
+#: Number of beams → degrees between beams, and whether all readers agree on it.
 BY_COUNT: dict[int, tuple[float, bool]] = {
     101: (1.0, False),
     180: (1.0, True),
@@ -61,15 +61,15 @@ BY_COUNT: dict[int, tuple[float, bool]] = {
 FIRST_OF_EVEN = {
     180: -90.0, 270: -135.0, 360: -90.0, 540: -135.0, 720: -90.0, 810: -135.0, 1080: -135.0, 1440: -180.0,
 }  # fmt: skip  #: degrees: their last beam is missing
-NO_NOTE = (180, 181)  #: what most logs have
-AGREE = 0.05  #: share by which two statements of one angle may differ
+NO_NOTE = (180, 181)  #: the usual numbers
+AGREE = 0.05  #: relative tolerance between two statements of one angle
 
 
 def front_laser_beams(n_beams: int, word: str, fov: float | None = None, resolution: float | None = None) -> Beams:
     """Return the beams of lines ``word`` that state no angles, with notes on them.
 
-    ``fov`` and ``resolution``, radians, are what the log's parameters state. They count where they agree with the
-    number of beams; then that of lidars that send this number, then the parameters as they are. Else it is 180°.
+    ``fov`` and ``resolution``, radians, are the log's parameters. They are used if they agree with the number of beams;
+    otherwise the field of view of lidars with this number of beams, then the parameters as stated, and otherwise 180°.
     """
     by_count = BY_COUNT.get(n_beams)
     if fov is not None and resolution is not None and _agree(resolution * max(1, n_beams - 1), fov, resolution):
@@ -103,7 +103,7 @@ def _agree(a: float, b: float, step: float) -> bool:
 
 
 def _around(n_beams: int, step: float, word: str, why: str) -> Beams:
-    """Return beams that lie alike on both sides of straight ahead, ``step`` radians apart, and a note on why."""
+    """Return beams symmetric about straight ahead, ``step`` radians apart, and a note with the reason."""
     view = math.degrees(step) * (n_beams - 1)
     note = (
         f"The {n_beams} beams of the {word} lines, which state no angles, are taken to be {math.degrees(step):.4g}° "
@@ -113,10 +113,10 @@ def _around(n_beams: int, step: float, word: str, why: str) -> Beams:
 
 
 def robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> Beams:
-    """Check what a ROBOTLASER line states of its n beams: start angle, field of view, resolution, maximum range.
+    """Check the values stated by a ROBOTLASER line of n beams: start angle, field of view, resolution, maximum range.
 
-    The stated resolution has six digits, too few for a thousand beams; where it is the field of view in n or n − 1
-    steps, that quotient is taken. Where it is another, it counts as it does in CARMEN, with a note.
+    The stated resolution has six digits, too few for a thousand beams; if it matches the field of view in n or n − 1
+    steps, that quotient is used. Otherwise it is used as in CARMEN, with a note.
     """
     start, fov, resolution, range_max = stated
     if not (abs(start) <= 7.0 and 0.0 < fov <= 7.0 and 0.0 < resolution <= 7.0 and is_angle_step(resolution, n)):

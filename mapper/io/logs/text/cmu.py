@@ -1,12 +1,12 @@
 """Logs of CMU's course on mobile robots (Wean Hall): ``O`` and ``L`` lines in centimetres, radians and seconds.
 
-Source: instruct.txt beside the course's data. Times begin with the run; every pose is in the odometry's frame::
+Source: instruct.txt in the course's data. Times start with the run; every pose is in the odometry frame::
 
     O x y theta stamp
     L x y theta  laser_x laser_y laser_theta  r1 … r180  stamp
 
-The 180 readings span 180° from the right to the left, 1° apart. Readings of 80 m or more are the SICK LMS's "no
-return" (8183 cm). The laser's place on the robot lies between the two poses of an ``L`` line, 25 cm ahead.
+The 180 readings span 180° from the right to the left, 1° apart. Readings of 80 m or more are the SICK LMS's "no return"
+(8183 cm). The laser's mount is the difference of the two poses of an ``L`` line, 25 cm ahead.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from mapper.io.logs.text.packing import ScanStack, take_one_sensor
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 
 BEAMS = 180
-FIELDS = {"O": 5, "L": 8 + BEAMS}  #: of a line, its word included
-SAME_M, SAME_RAD = 0.01, 0.01  #: between the laser's and the robot's pose, from line to line
+FIELDS = {"O": 5, "L": 8 + BEAMS}  #: fields per line, including its word
+SAME_M, SAME_RAD = 0.01, 0.01  #: tolerance of the difference of the laser's and the robot's pose between lines
 
 _LINE = re.compile(rb"^[LO](?:[ \t]+[-+]?[0-9.][-+.0-9eE]*){4}", re.MULTILINE)
 
 
 def is_cmu(head: bytes) -> bool:
-    """Return whether a line of a text begins as these do: one letter, and at least four numbers."""
+    """Return whether a line of a text starts like these: one letter, and at least four numbers."""
     return _LINE.search(head) is not None
 
 
@@ -48,7 +48,7 @@ class _Reader:
         self.n_odometry = 0
 
     def take(self, line: int, text: bytes) -> None:
-        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         tokens = text.decode("latin-1").split()
         if not tokens or tokens[0].startswith("#"):
             return
@@ -82,9 +82,9 @@ class _Reader:
 
 
 def _mount(stack: ScanStack) -> tuple[tuple[float, float, float], list[str]]:
-    """Return ``T_base_laser``, the median of what the lines state, and a note where they state different ones.
+    """Return ``T_base_laser``, the median over the lines, and a note if the lines differ.
 
-    It is rounded to a micrometre and a microradian, the digits that the lines have.
+    It is rounded to a micrometre and a microradian, the precision of the lines.
     """
     relative = compose(inverse(stack.robot_poses), stack.laser_poses)
     x, y, yaw = np.median(relative, axis=0).round(6).tolist()
@@ -98,10 +98,7 @@ def _mount(stack: ScanStack) -> tuple[tuple[float, float, float], list[str]]:
 def read_cmu(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CMU log at ``path``, plain or packed, as metres; its trajectories are in the frame ``odom``.
-
-    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
-    """
+    """Return the CMU log at ``path``, plain or compressed, in metres; its trajectories are in the frame ``odom``."""
     reader = _Reader(limits)
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CMU log", "it has no L line")
     stack = reader.stack

@@ -1,4 +1,4 @@
-"""Scans as comma-separated values: a format for other programs to write.
+"""Scans as comma-separated values: an exchange format for other programs.
 
 ::
 
@@ -10,18 +10,18 @@
     12.50,0.0,0.0,0.0,2.31,2.30,inf,2.28
     12.60,0.1,0.0,0.0,2.21,,nan,2.18
 
-First the sensor, a name and a value to a line: ``angle_min`` is the bearing of the first beam and ``angle_increment``
-that from one beam to the next (radians, counter-clockwise from straight ahead); ``range_min`` and ``range_max`` are the
-least and the largest distance that it measures (metres; 0 and no limit where they are left out), which are understood
-as those of a recording are (:mod:`mapper.io.logs.grouping.scan_groups`). ``mount_x``, ``mount_y`` and ``mount_yaw`` may
-say where it sits on the robot, and ``time_increment`` the seconds from one beam to the next of a scan that is stamped
-at its first. Then the line ``stamp,x,y,theta,ranges``, and a line for each scan: its time in seconds (since 1970 also
-in milli-, micro- or nanoseconds), the robot's pose in metres and radians, and as many ranges in metres as there are
-beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
-A name may end in another unit, which then counts: ``range_max_mm``, ``theta_deg``, ``stamp [ms]``, ``ranges (cm)``.
+The sensor comes first, one name and value per line: ``angle_min`` is the bearing of the first beam and
+``angle_increment`` the step between beams (radians, counter-clockwise from straight ahead); ``range_min`` and
+``range_max`` are the minimum and maximum range (metres; defaults 0 and no limit), interpreted like those of a recording
+(:mod:`mapper.io.logs.grouping.scan_groups`). ``mount_x``, ``mount_y`` and ``mount_yaw`` are optional and give its mount
+on the robot, ``time_increment`` the seconds between beams of a scan stamped at its first beam. Then follow the line
+``stamp,x,y,theta,ranges`` and one line per scan: its time in seconds (since 1970 also in milli-, micro- or
+nanoseconds), the robot's pose in metres and radians, and one range in metres per beam. ``inf`` is no return; ``nan``,
+an empty field, zero or a negative number is no measurement. Lines that start with ``#`` are comments. A name may have
+another unit as a suffix: ``range_max_mm``, ``theta_deg``, ``stamp [ms]``, ``ranges (cm)``.
 
-As spreadsheets of other countries save it, semicolons or tabs may stand for the commas, and then commas for the decimal
-points; fields may be in quotation marks.
+As in files from spreadsheets with other locales, fields may be separated by semicolons or tabs, with decimal commas,
+and may be in quotation marks.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from mapper.sensors.scan import ScanLog, are_degrees, georeferenced, is_angle_st
 
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
-LIMITS = ("range_min", "range_max")  #: which may be any number
+LIMITS = ("range_min", "range_max")  #: may be any number
 SEPARATORS = ",;\t"
 IN_DEGREES = (
     "angle_min and angle_increment are in degrees, where the format has radians, by which a scan would go round twice "
@@ -61,7 +61,7 @@ INITIAL = {
     "mount_yaw": 0.0,
     "time_increment": 0.0,
 }
-#: Units that may follow a name, and how many of the format's, metres, radians and seconds, are one.
+#: Unit suffixes, and how many of the unit are one metre, radian or second.
 _LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _ANGLES = {"rad": 1.0, "deg": math.radians(1.0)}
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -74,7 +74,7 @@ _NAME = re.compile(r"(.+?)(?:_([a-z]+)| ?[\[(]([a-z]+)[\])])")
 
 
 def _with_unit(word: str) -> tuple[str, float]:
-    """Return a name of the format, and how many of its unit are one of the unit in ``word``; 1 where it states none."""
+    """Return a column or value name, and how many of the unit in ``word`` are one base unit; 1 without a unit."""
     match = _NAME.fullmatch(word)
     if word in _UNITS or match is None:
         return word, 1.0
@@ -83,7 +83,7 @@ def _with_unit(word: str) -> tuple[str, float]:
 
 
 def is_csv_scans(head: bytes) -> bool:
-    """Return whether the first line that is no remark names one of the sensor's values."""
+    """Return whether the first line that is not a comment names one of the sensor's values."""
     lines = (line.strip() for line in head.split(b"\n"))
     first = next((line for line in lines if line and not _is_remark(line)), b"").decode("latin-1")
     separator = _separator(first)
@@ -91,12 +91,12 @@ def is_csv_scans(head: bytes) -> bool:
 
 
 def _is_remark(line: bytes) -> bool:
-    """Return whether the first field of a line begins with ``#``, also in quotation marks, or is Excel's ``sep=;``."""
+    """Return whether the first field of a line starts with ``#``, also in quotation marks, or is Excel's ``sep=;``."""
     return line.lstrip(b'" ').startswith(b"#") or re.fullmatch(rb"sep=.", line.strip()) is not None
 
 
 def _separator(line: str) -> str | None:
-    """Return what separates the fields of a line, by the first one, which is a name; None where nothing does."""
+    """Return the field separator after the first field, a name; None if there is none."""
     return next((sign for sign in line if sign in SEPARATORS), None)
 
 
@@ -116,14 +116,14 @@ class _Reader:
         self.notes: list[str] = []
         self._in_rows = False
         self._separator: str | None = None
-        self._per_second: float | None = None  #: of the unit of the times, once it is known
+        self._per_second: float | None = None  #: of the time unit, once it is known
         self._per_unit = {"x": 1.0, "y": 1.0, "theta": 1.0, "ranges": 1.0}  #: metres, radians
-        self._converted: list[str] = []  #: names that state another unit
-        self._decimal = ""  #: what stands before the decimals, once a number has told it
+        self._converted: list[str] = []  #: names with another unit
+        self._decimal = ""  #: decimal separator, once a number has determined it
         self._first: list[float] | None = None  #: the first scan's pose
 
     def take(self, line: int, text: bytes) -> None:
-        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         row = text.decode("latin-1").strip(" \r\n")
         if not row or _is_remark(text):
             return
@@ -155,7 +155,7 @@ class _Reader:
     def _with_points(self, tokens: list[str], line: int, word: str) -> list[str]:
         """Return numbers with decimal points; a file has either points or commas.
 
-        Raises :class:`ReadError`, which quotes what the file has, for a point among commas.
+        Raises :class:`ReadError`, quoting the file's number, for a point among commas.
         """
         if not self._decimal:
             self._decimal = next((sign for token in tokens for sign in token if sign in ",."), "")
@@ -171,7 +171,7 @@ class _Reader:
         return numbers
 
     def _take_columns(self, tokens: list[str]) -> None:
-        """Take the units that the names of the columns state."""
+        """Read the units in the column names."""
         for token in tokens[: len(COLUMNS) + 1]:
             name, per_unit = _with_unit(token)
             if per_unit == 1.0:
@@ -237,10 +237,7 @@ class _Reader:
 def read_csv_scans(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CSV log at ``path``, plain or packed.
-
-    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
-    """
+    """Return the CSV log at ``path``, plain or compressed."""
     reader = _Reader(limits)
     missing = "no line follows 'stamp,x,y,theta,ranges'"
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CSV log", missing)

@@ -1,7 +1,7 @@
 """DP-SLAM logs: ``Odometry x y theta`` followed by ``Laser n r1 … rn``; metres, radians, no times.
 
-Source: the data files of the DP-SLAM project (Eliazar & Parr). The laser is a SICK LMS in millimetre mode with beams
-1° apart, whose readings from 8.183 m on are codes: no return.
+Source: the data files of the DP-SLAM project (Eliazar & Parr). The laser is a SICK LMS in millimetre mode with beams 1°
+apart. Readings of 8.183 m or more are codes for no return.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class _DpslamReader:
         self._pose: list[float] | None = None
 
     def take(self, line: int, text: bytes) -> None:
-        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         tokens = text.decode("latin-1").split()
         if not tokens or tokens[0].startswith("#"):
             return
@@ -56,10 +56,7 @@ class _DpslamReader:
 def read_dpslam(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the DP-SLAM log at ``path``, plain or packed; its stamps are zero.
-
-    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
-    """
+    """Return the DP-SLAM log at ``path``, plain or compressed; its stamps are zero."""
     reader = _DpslamReader(limits)
     lines = TextLines(path, limits, progress)
     notes = take_one_sensor(reader, lines, topic, "A DP-SLAM log", "it has no Laser line")

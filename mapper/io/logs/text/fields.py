@@ -1,4 +1,4 @@
-"""The fields of one line of a text log as numbers, with errors that name the line."""
+"""Conversion of the fields of a text log's line to numbers, with errors that name the line."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.core.time_units import EPOCH_S, UNITS
 
-MAX_STAMP = 9e9  #: seconds: beyond this a time in nanoseconds no longer fits 64 bits
+MAX_STAMP = 9e9  #: seconds: later times in nanoseconds do not fit into 64 bits
 _INFINITE = ("inf", "infinity")
 _LIST = msgspec.json.Decoder(list[float])
 
 
 def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
-    """Return ``tokens`` as numbers; ``nan`` and ``inf`` count. Raises :class:`ReadError` naming an invalid one."""
+    """Return ``tokens`` as numbers, including ``nan`` and ``inf``. Raises :class:`ReadError` naming an invalid one."""
     try:
         values = list(map(float, tokens))
     except ValueError:
@@ -26,21 +26,21 @@ def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
         bad = next(token for token in tokens if not is_number(token))
         comma = " with a decimal point" if is_number(bad.replace(",", ".", 1)) else ""
         raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number{comma}.")
-    # Of finite numbers the sum is finite, unless they are huge; and it is found fast.
+    # The sum of finite numbers is finite, unless they are huge, and is fast to compute.
     if not math.isfinite(sum(values)) and (math.inf in values or -math.inf in values):
         for token, value in zip(tokens, values, strict=True):
             if math.isinf(value) and token.lower().lstrip("+-") not in _INFINITE:
                 raise ReadError("log.not_a_number", f"Line {line}: {token!r:.40} in this {word} line is too large.")
-    if "_" in "".join(tokens):  # Python reads 1_000 as a number; no log does
+    if "_" in "".join(tokens):  # Python accepts 1_000 as a number; logs do not use it
         bad = next(token for token in tokens if "_" in token)
         raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number.")
     return values
 
 
 def listed(text: bytes) -> list[float] | None:
-    """Return the numbers of ``text``, one space between any two; None where it is not as plain as a list of JSON's.
+    """Return the numbers in ``text``, separated by single spaces; None unless they are valid in a JSON list.
 
-    :func:`numbers` takes more than this and says what is wrong with the rest; this is twice as fast.
+    :func:`numbers` accepts more than this and explains errors; this is twice as fast.
     """
     try:
         return _LIST.decode(b"[" + text.replace(b" ", b",") + b"]")
@@ -49,7 +49,7 @@ def listed(text: bytes) -> list[float] | None:
 
 
 def is_number(token: str) -> bool:
-    """Return whether ``token`` is a number, ``nan`` and ``inf`` included."""
+    """Return whether ``token`` is a number, including ``nan`` and ``inf``."""
     try:
         float(token)
     except ValueError:
@@ -60,9 +60,9 @@ def is_number(token: str) -> bool:
 def pose(
     tokens: Sequence[str], line: int, word: str, whose: str, limits: Limits, farthest: float | None = None
 ) -> list[float]:
-    """Return three tokens as a pose (x, y, theta). Raises :class:`ReadError` if it is not finite or too far.
+    """Return three tokens as a pose (x, y, theta). Raises :class:`ReadError` if it is not finite or too far away.
 
-    That is beyond ``max_pose``, or beyond ``farthest`` metres where georeferenced coordinates may be meant.
+    The limit is ``max_pose``, or ``farthest`` metres if coordinates may be georeferenced.
     """
     x, y, theta = values = numbers(tokens, line, word)
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(theta)):
@@ -77,9 +77,9 @@ def pose(
 
 
 def stamp(token: str, line: int, word: str, per_second: float = 1.0) -> float:
-    """Return a time in seconds, of which ``per_second`` of the unit in ``token`` are one.
+    """Return a time in seconds; ``per_second`` of the unit in ``token`` are one second.
 
-    Raises :class:`ReadError` for one that is not finite or no time at all.
+    Raises :class:`ReadError` for one that is not finite or an impossible time.
     """
     (value,) = numbers((token,), line, word)
     if not abs(value) < MAX_STAMP * per_second:
@@ -92,10 +92,10 @@ def stamp(token: str, line: int, word: str, per_second: float = 1.0) -> float:
 
 
 def time_unit(first: str, line: int, word: str) -> tuple[float, list[str]]:
-    """Return how many of the unit of a file's times, of which ``first`` is one, are a second, and a note on others.
+    """Return how many of the unit of a file's times, of which ``first`` is one, are a second, and a note if not one.
 
-    Another unit than seconds is one by which that time is since 1970, as it cannot be in seconds. Raises
-    :class:`ReadError` for what is not a number.
+    A unit other than seconds is assumed if ``first`` cannot be seconds and is a time since 1970 in that unit. Raises
+    :class:`ReadError` if it is not a number.
     """
     unit = _unit_of(numbers((first,), line, word)[0])
     if unit is None:
@@ -104,12 +104,14 @@ def time_unit(first: str, line: int, word: str) -> tuple[float, list[str]]:
 
 
 def _unit_of(value: float) -> tuple[float, str] | None:
-    """Return the unit below a second in which a number is a time since 1970, and how many are one; None without."""
+    """Return the sub-second unit in which a number is a time since 1970, and its count per second; None if there is
+    none.
+    """
     return next((unit for unit in UNITS if EPOCH_S[0] < value / unit[0] < EPOCH_S[1]), None)
 
 
 def count(token: str, line: int, word: str, what: str, largest: int, *, least: int = 1) -> int:
-    """Return a number of things. Raises :class:`ReadError` for what is not a whole number ≥ ``least``."""
+    """Return a count. Raises :class:`ReadError` unless it is an integer ≥ ``least``."""
     if not (token.isascii() and token.isdigit()) or len(token) > 9 or int(token) < least:
         raise ReadError(
             "log.beam_count",
@@ -123,10 +125,10 @@ def count(token: str, line: int, word: str, what: str, largest: int, *, least: i
 
 
 def require_fields(tokens: Sequence[str], between: tuple[int, int], line: int, word: str, stated: str) -> None:
-    """Raise :class:`ReadError` unless a line has as many tokens as ``between`` allows; ``stated`` says why.
+    """Raise :class:`ReadError` unless a line has as many tokens as ``between`` allows; ``stated`` is the reason.
 
-    CARMEN ends a line with ``stamp host logger_stamp``: a line that still has its host, which is no number, is whole
-    and has the most tokens, so another number of them means that the stated count is wrong.
+    CARMEN lines end with ``stamp host logger_stamp``. A line that still has its host, which is not a number, is
+    complete and has the maximum number of tokens, so another number of them means that the stated count is wrong.
     """
     (needed, most), n = between, len(tokens)
     whole = n > 3 and not is_number(tokens[-2]) and is_number(tokens[-1])

@@ -1,4 +1,4 @@
-"""Logs that gmapping writes (``.gfs``): its scans, the odometry with them, and the poses of its best particle.
+"""Logs written by gmapping (``.gfs``): its scans with odometry, and the poses of its best particle.
 
 Source: GridSlamProcessor of gmapping, which writes one record per line::
 
@@ -27,17 +27,17 @@ from mapper.io.logs.text.packing import ScanStack, note_on_largest_reading, take
 from mapper.sensors.scan import ScanLog, Trajectory
 
 WORDS = frozenset({"LASER_READING", "SM_UPDATE", "ODO_UPDATE", "FRAME"})
-NO_RETURN = 80.0  #: metres: from here on readings are no return, as the format states no greatest range
+NO_RETURN = 80.0  #: metres: larger readings are no returns, because the format states no maximum range
 
 
 class _GfsReader:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self.stack = ScanStack("LASER_READING", limits)
-        self.best = array("d")  #: pose of the best particle after each scan, NaN where none is stated
+        self.best = array("d")  #: pose of the best particle after each scan, NaN if not stated
 
     def take(self, line: int, text: bytes) -> None:
-        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         tokens = text.decode("latin-1").split()
         if tokens and tokens[0] == "LASER_READING":
             self._take_scan(tokens, line)
@@ -69,7 +69,7 @@ class _GfsReader:
 def read_gfs(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the gmapping log at ``path``, plain or packed. Raises :class:`ReadError`, naming the line."""
+    """Return the gmapping log at ``path``, plain or compressed. Raises :class:`ReadError`, naming the line."""
     reader = _GfsReader(limits)
     notes = take_one_sensor(
         reader, TextLines(path, limits, progress), topic, "A gmapping log", "it has no LASER_READING line"

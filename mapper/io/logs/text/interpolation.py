@@ -1,4 +1,4 @@
-"""Poses from one stream of messages at the times of another: the odometry at each scan.
+"""Interpolation of poses from one stream of messages at the times of another: odometry at each scan.
 
 All poses are ``T_map_base``: metres and radians; all stamps are seconds.
 """
@@ -17,10 +17,10 @@ def poses_at_scans(
 ) -> Float64Array:
     """Return the pose (n, 3) at each of n scans, from m ≥ 1 messages' ``poses`` (m, 3) and ``stamps`` (m,).
 
-    ``before`` (n,) counts the messages before each scan in the file. Recorded clocks jump backwards, so it
-    is the file's order that chooses the two neighbours, and the stamps only weight them. Where most scans are
-    before the first or after the last message, as in a file that was sorted by kind, the stamps choose as well.
-    Linear in position, along the shorter arc in angle; nothing is extrapolated.
+    ``before`` (n,) counts the messages before each scan in the file. Recorded clocks jump backwards, so the file's
+    order selects the two neighbours, and the stamps are only interpolation weights. If most scans are before the first
+    or after the last message, as in a file sorted by kind, the stamps also select the neighbours. Positions are
+    interpolated linearly, angles along the shorter arc; there is no extrapolation.
     """
     m = len(poses)
     after = before
@@ -39,8 +39,8 @@ def restarts(
 ) -> NDArray[np.bool_]:
     """Return which of m messages (m,) only restart the odometry from the scan before them.
 
-    A mapper that writes a corrected log (gmapping does) sends, after each scan, an odometry message with the corrected
-    pose, and counts on from there. Its stamp is whatever was in memory, so it is not the scan's.
+    A mapper that writes a corrected log, such as gmapping, writes an odometry message with the corrected pose after
+    each scan, and continues from there. Its stamp is uninitialised, so it is not the scan's.
     """
     is_restart = np.zeros(len(poses), dtype=np.bool_)
     follows = (before > 0) & (before < len(poses))
@@ -51,7 +51,7 @@ def restarts(
 
 
 def without_restarts(poses: Float64Array, restart: NDArray[np.bool_]) -> Float64Array:
-    """Return the odometry (m, 3) as the wheels alone give it: no motion where a message is a ``restart`` (m,)."""
+    """Return the wheels' own odometry (m, 3), without motion at messages that are a ``restart`` (m,)."""
     steps = compose(inverse(poses[:-1]), poses[1:])
     steps[restart[1:]] = 0.0
     theta = poses[0, 2] + np.concatenate([[0.0], np.cumsum(steps[:, 2])])

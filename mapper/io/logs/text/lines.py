@@ -1,4 +1,4 @@
-"""The lines of a text log, plain or packed, read in pieces, so that no decompression bomb fills the memory."""
+"""Lines of a text log, plain or compressed, read in pieces, so that a decompression bomb cannot fill the memory."""
 
 from __future__ import annotations
 
@@ -9,28 +9,26 @@ from mapper.core.limits import Limits
 from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 
-BOM = b"\xef\xbb\xbf"  #: what spreadsheets write before the first line of UTF-8 text
+BOM = b"\xef\xbb\xbf"  #: written by spreadsheets before the first line of UTF-8 text
 
 
 def ends_in_returns(begin: bytes) -> bool:
-    """Return whether the lines of a text that begins so end in carriage returns alone, as old Macintosh programs do."""
+    """Return whether the lines of a text with this beginning end in carriage returns only (old Macintosh programs)."""
     return b"\n" not in begin and b"\r" in begin and b"\0" not in begin
 
 
 def with_line_feeds(data: bytes) -> bytes:
-    """Return a text whose lines end in carriage returns alone with line feeds; other data as it is."""
+    """Return a text with carriage-return line ends converted to line feeds; other data unchanged."""
     return data.replace(b"\r", b"\n") if ends_in_returns(data) else data
 
 
 class TextLines:
     """The lines of one file; iterate once, over ``(line number from 1, line without its end)``.
 
-    While the last line is yielded, ``unfinished`` says that it has no line end: it may be cut.
-    The part of a line in which broken packed data ends is never yielded.
-
-    Raises :class:`LimitError` for more lines than ``limits`` allow, for more bytes in one line, or for packed data that
-    expands to more, and :class:`ReadError` for a file that cannot be opened, is empty or holds packed data of which
-    nothing can be read.
+    While the last line is yielded, ``unfinished`` means that it has no line end, so it may be cut. A line that is cut
+    by damaged compressed data is never yielded. Raises :class:`LimitError` for more lines than ``limits`` allow, a line
+    that is too long, or compressed data that expands to too much, and :class:`ReadError` for a file that cannot be
+    opened, is empty or contains unreadable compressed data.
     """
 
     def __init__(self, path: Source, limits: Limits, progress: Progress | None = None) -> None:
@@ -38,7 +36,7 @@ class TextLines:
         self.limits = limits
         self.progress = progress
         self.unfinished = False
-        self.number = 0  #: of the line yielded last
+        self.number = 0  #: of the last yielded line
         self._unpacked: Unpacked | None = None
         self._pieces: Iterator[bytes] = iter(())
 
@@ -54,15 +52,16 @@ class TextLines:
 
     @property
     def broken(self) -> str | None:
-        """Damage found in packed data, as "The gzip data ends early"; None if there is none."""
+        """Damage found in compressed data, such as "The gzip data ends early"; None if there is none."""
         if self._unpacked is None or self._unpacked.broken is None:
             return None
         return f"The {self._unpacked.packing} data {self._unpacked.broken}"
 
     def is_damaged(self) -> bool:
-        """Return whether the packed data is damaged, which the lines tell earlier than its checksum; reads it all.
+        """Return whether the compressed data is damaged, which the lines may show before its checksum; reads it to the
+        end.
 
-        To be asked while the lines are read; then no more of them come.
+        To be called while the lines are read; no more of them are yielded then.
         """
         try:
             for _ in self._pieces:
@@ -72,7 +71,7 @@ class TextLines:
         return self._unpacked is not None and self._unpacked.broken == "is damaged"
 
     def _whole_lines(self) -> Generator[tuple[int, bytes], None, bytes]:
-        """Yield the lines that end; return what follows the last of them."""
+        """Yield the lines that have an end; return what follows the last of them."""
         rest: bytes | None = None
         end = b"\n"
         for piece in self._pieces:
@@ -110,10 +109,10 @@ class TextLines:
 def take_lines(
     lines: TextLines, take: Callable[[int, bytes], None], n_scans: Callable[[], int], notes: list[str]
 ) -> None:
-    """Give every line to ``take`` and put into ``notes`` what is missing at the end of a cut file.
+    """Pass every line to ``take`` and append to ``notes`` what is missing at the end of a cut file.
 
-    A file that was cut, by a full disk or a broken download, still has good scans: its last, broken line is left out
-    if whole scans came before it. Otherwise :class:`ReadError`.
+    A file cut by a full disk or a broken download still has valid scans: its last, broken line is ignored if complete
+    scans came before it. Otherwise raises :class:`ReadError`.
     """
     for number, text in lines:
         try:

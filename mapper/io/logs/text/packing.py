@@ -1,4 +1,4 @@
-"""Scans gathered line by line into packed arrays, with the caps and the clean-up that every text log needs."""
+"""Collection of scans line by line into packed arrays, with the limits and clean-up common to all text logs."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.text.lines import TextLines, take_lines
 
-AGREE = 0.1  #: sine of the angle between a heading and the direction of the motion that agree, at the median
-LEAST_MOVES = 10  #: steps that tell in which unit headings are
-MOST_CODES = 20  #: different readings beyond the greatest range that may stand for no return
+AGREE = 0.1  #: sine of the angle between heading and direction of motion, at the median
+LEAST_MOVES = 10  #: minimum number of steps to determine the unit of headings
+MOST_CODES = 20  #: distinct readings beyond the maximum range that may be codes for no return
 DAY_S = 86_400.0  #: seconds: a longer step between two scans is noted
 
 
 class ScanStack:
-    """The scans of one sensor of a log, as they come.
+    """The scans of one sensor of a log, in order of arrival.
 
-    Raises :class:`ReadError` for a scan with another number of beams, unless they may ``vary``, and
-    :class:`LimitError` for more scans or readings than ``limits`` allow.
+    Raises :class:`ReadError` for a scan with another number of beams, unless they may ``vary``, and :class:`LimitError`
+    for more scans or readings than ``limits`` allow.
     """
 
     def __init__(self, word: str, limits: Limits, *, vary: bool = False) -> None:
@@ -52,8 +52,8 @@ class ScanStack:
     ) -> None:
         """Append one scan: metres, radians, seconds, the laser's pose and the robot's.
 
-        ``messages_before`` counts the odometry messages and those with the true pose that were read so far; ``beams``
-        is what the line states of its beams.
+        ``messages_before`` counts the odometry and true pose messages read so far; ``beams`` has the beams stated by
+        the line.
         """
         kind = (len(readings), beams)
         if self.n_scans == 0:
@@ -72,7 +72,7 @@ class ScanStack:
             )
         self.n_scans += 1
         self._kind_of_scan.append(self._kinds.setdefault(kind, len(self._kinds)))
-        self._ranges += array("f", readings)  # what is too large for 32 bits becomes inf
+        self._ranges += array("f", readings)  # values too large for 32 bits become inf
         self._laser.extend(laser_and_robot[0])
         self._robot.extend(laser_and_robot[1])
         self._stamps.append(stamp)
@@ -81,12 +81,12 @@ class ScanStack:
 
     @property
     def n_beams(self) -> int:
-        """Beams of the scans, where they vary those of most scans."""
+        """Number of beams; if it varies, that of most scans."""
         return self.kinds[self.usual_kind][0] if self._kinds else 0
 
     @property
     def kinds(self) -> list[tuple[int, Hashable]]:
-        """The numbers of beams that scans have, each with what its lines state of them."""
+        """The distinct numbers of beams, each with the beams stated by its lines."""
         return list(self._kinds)
 
     @property
@@ -106,7 +106,7 @@ class ScanStack:
 
     @property
     def robot_poses(self) -> NDArray[np.float64]:
-        """``T_map_base`` (n_scans, 3) as the scan lines state it."""
+        """``T_map_base`` (n_scans, 3) as stated by the scan lines."""
         return np.frombuffer(self._robot).reshape(-1, 3)
 
     @property
@@ -121,27 +121,27 @@ class ScanStack:
 
     @property
     def truth_before(self) -> NDArray[np.int64]:
-        """Number of messages with the true pose before each scan (n_scans,)."""
+        """Number of true pose messages before each scan (n_scans,)."""
         return np.frombuffer(self._truth_before, dtype=np.int64)
 
     @property
     def stamps_ns(self) -> NDArray[np.int64]:
-        """Nanoseconds (n_scans,); all zero, as in a log without times, where they were written with too few digits."""
+        """Nanoseconds (n_scans,); all zero, as in a log without times, if they were written with too few digits."""
         if few_digits(self.stamps):
             return np.zeros(self.n_scans, dtype=np.int64)
         return np.round(self.stamps * 1e9).astype(np.int64)
 
     def clean_ranges(self, range_max: float) -> tuple[NDArray[np.float32], list[str]]:
-        """Return the readings (n_scans, n_beams) by REP 117, and what is to be noted about them.
+        """Return the readings (n_scans, n_beams) by REP 117, and notes on them.
 
-        At or beyond ``range_max`` metres is no return, +inf, if that is a code: where most readings are beyond it, and
-        differ, they stay as they are. Zero, negative and NaN are no measurement, NaN.
+        Readings of ``range_max`` metres or more are no return, +inf, if that is a code: if most readings are beyond it,
+        and differ, they are unchanged. Zero, negative and NaN are invalid, NaN.
         """
         ranges, notes = self.clean_readings(range_max)
         return ranges.reshape(self.n_scans, self.n_beams), notes
 
     def clean_readings(self, range_max: float | NDArray[np.float64]) -> tuple[NDArray[np.float32], list[str]]:
-        """Return :meth:`clean_ranges` of all readings, one scan after another, with a ``range_max`` for each or all."""
+        """Return :meth:`clean_ranges` of all readings, concatenated, with one ``range_max`` for each or for all."""
         ranges = np.frombuffer(self._ranges, dtype=np.float32)
         notes = []
         with np.errstate(invalid="ignore"):
@@ -158,15 +158,16 @@ class ScanStack:
         return ranges, notes
 
     def check_headings(self) -> None:
-        """Raise :class:`ReadError` where the poses' headings are in degrees.
+        """Raise :class:`ReadError` if the poses' headings are in degrees.
 
-        Read so, they agree with the directions in which the robot moves, ahead or back, and in radians they do not.
+        That is, if they agree with the robot's direction of motion, forwards or backwards, as degrees but not as
+        radians.
         """
         headings = self.robot_poses[1:, 2]
         if not np.abs(headings).max(initial=0.0) > 2.0 * np.pi:
             return
         steps = np.diff(self.robot_poses[:, :2], axis=0)
-        # Where both units say nearly the same, the motion tells nothing.
+        # If both units nearly agree, the motion does not determine the unit.
         tells = (np.hypot(*steps.T) > 0.0) & (np.abs(np.sin(headings - np.radians(headings))) > AGREE)
         if np.count_nonzero(tells) < LEAST_MOVES:
             return
@@ -183,7 +184,7 @@ class ScanStack:
             )
 
     def notes_on_time(self) -> list[str]:
-        """Return notes on stamps with too few digits, that run backwards or that are far apart."""
+        """Return notes on stamps that have too few digits, run backwards or are far apart."""
         step = few_digits(self.stamps)
         if step:
             note = (
@@ -195,25 +196,25 @@ class ScanStack:
 
 
 def few_digits(stamps: NDArray[np.float64]) -> float:
-    """Return the step in seconds of stamps (n,) that were printed with six significant digits, 0 for all others.
+    """Return the step in seconds of stamps (n,) printed with six significant digits, 0 for all others.
 
-    That is how C++ prints a double by default: of seconds since 1970 multiples of 10,000 s are left.
+    That is C++'s default for a double; seconds since 1970 become multiples of 10,000 s.
     """
     largest = float(np.abs(stamps).max(initial=0.0))
-    if len(stamps) < 2 or largest < 1e6:  # below a million seconds six digits say 1 s or less
+    if len(stamps) < 2 or largest < 1e6:  # below a million seconds the resolution is 1 s or better
         return 0.0
     step = float(10.0 ** (np.floor(np.log10(largest)) - 5.0))
     return step if not np.any(np.fmod(stamps, step)) else 0.0
 
 
 def notes_on_time(stamps_ns: NDArray[np.int64]) -> list[str]:
-    """Return notes on stamps (n,) in nanoseconds: how often they run backwards, and where they are far apart."""
+    """Return notes on stamps (n,) in nanoseconds that run backwards or are far apart."""
     notes = []
     back = int(np.count_nonzero(stamps_ns[1:] < stamps_ns[:-1]))
     if back:
         times = "once" if back == 1 else f"{back} times"
         notes.append(f"The time runs backwards {times}; the scans stay in the file’s order.")
-    steps = np.diff(stamps_ns.astype(np.float64)) * 1e-9  # in 64 bits the step between two such stamps may overflow
+    steps = np.diff(stamps_ns.astype(np.float64)) * 1e-9  # the difference of two such stamps may overflow in 64 bits
     far = int(np.count_nonzero(np.abs(steps) > DAY_S))
     if far:
         worst = int(np.argmax(np.abs(steps)))
@@ -226,7 +227,7 @@ def notes_on_time(stamps_ns: NDArray[np.int64]) -> list[str]:
 
 
 def note_on_largest_reading(ranges: NDArray[np.float32]) -> list[str]:
-    """Return a note where the largest readings pile up at one value, as those of a sensor without "no return" do."""
+    """Return a note if the largest readings accumulate at one value, as for a sensor without "no return"."""
     finite = ranges[np.isfinite(ranges)]
     if not finite.size:
         return []
@@ -242,20 +243,20 @@ def note_on_largest_reading(ranges: NDArray[np.float32]) -> list[str]:
 
 
 class LineReader(Protocol):
-    """A reader of the lines of one format, which collects their scans."""
+    """Reader of the lines of one format, which collects their scans."""
 
     stack: ScanStack
 
     def take(self, line: int, text: bytes) -> None:
-        """Read one line, numbered from 1. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line, numbered from 1. Raises :class:`ReadError` or :class:`LimitError` naming it."""
 
 
 def take_one_sensor(reader: LineReader, lines: TextLines, topic: str | None, log: str, missing: str = "") -> list[str]:
-    """Give all lines of a log with one sensor to ``reader``; return notes on its end, as :func:`take_lines`.
+    """Pass all lines of a log with one sensor to ``reader``; return notes on its end, like :func:`take_lines`.
 
-    ``log`` names a log of the format in errors ("A CMU log"), and ``missing`` the lines without which it has no scans.
-    Raises :class:`ReadError` if a ``topic`` is requested, for a line that cannot be read and for a log without scans,
-    and :class:`LimitError`.
+    ``log`` describes a log of the format in errors ("A CMU log"), and ``missing`` the lines without which it has no
+    scans. Raises :class:`ReadError` if a ``topic`` is requested, for an invalid line and for a log without scans, and
+    :class:`LimitError`.
     """
     if topic is not None:
         raise ReadError("log.topic", f"{log} has one sensor and no topic {topic!r:.80}.")

@@ -1,12 +1,12 @@
-"""Sonar rings as two texts in one folder: ``measurement.txt``, a line for each round of readings, and ``poses.txt``.
+"""Sonar rings as two texts in one folder: ``measurement.txt``, one line per round of readings, and ``poses.txt``.
 
-A line of ``measurement.txt`` is the time in milliseconds and what each sonar read, in millimetres; one of ``poses.txt``
-is the same time and the robot's pose: x and y in millimetres, the heading in tenths of a degree, counter-clockwise.
-5110 and more is no return. Source: the data of the occupancy grid exercises that are taught with it.
+A line of ``measurement.txt`` is the time in milliseconds and the reading of each sonar in millimetres; a line of
+``poses.txt`` is the same time and the robot's pose: x and y in millimetres, the heading in tenths of a degree,
+counter-clockwise. Readings of 5110 or more are no return. Source: the data of a course's occupancy grid exercises.
 
-Where the sonars point is in neither file. Eight of them are taken to be the half ring of those exercises: one to each
-side and six ahead, 15° apart, from right to left; any other number is spread evenly over the half circle ahead. A cone
-is taken to be 20° wide, and nearer than 0.17 m a sonar measures nothing.
+The sonars' directions are in neither file. Eight sonars are assumed to be the half ring of those exercises: one to each
+side and six ahead, 15° apart, from right to left; any other number is spread evenly over the half circle ahead. Cones
+are assumed to be 20° wide, with a minimum range of 0.17 m.
 """
 
 from __future__ import annotations
@@ -39,17 +39,17 @@ _POSE = re.compile(rb"\s*[0-9]+(?:[ \t]+-?[0-9]+){3}\s*\Z")
 
 
 def is_sonar(head: bytes) -> bool:
-    """Return whether the first line of a text is one of ``measurement.txt``: whole numbers, five or more."""
+    """Return whether the first line of a text is from ``measurement.txt``: five or more integers."""
     return _LINE.match(head.split(b"\n", 1)[0]) is not None
 
 
 def is_sonar_poses(head: bytes) -> bool:
-    """Return whether the first line of a text is one of ``poses.txt``: four whole numbers."""
+    """Return whether the first line of a text is from ``poses.txt``: four integers."""
     return _POSE.match(head.split(b"\n", 1)[0]) is not None
 
 
 class _Rows:
-    """Lines of numbers, all of one length."""
+    """Lines of numbers of equal length."""
 
     def __init__(self, what: str, columns: int | None, limits: Limits) -> None:
         self.what, self.columns, self.limits = what, columns, limits
@@ -57,7 +57,7 @@ class _Rows:
         self._values = array("d")
 
     def take(self, line: int, text: bytes) -> None:
-        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        """Process one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         tokens = text.decode("latin-1").split()
         if not tokens:
             return
@@ -75,7 +75,7 @@ class _Rows:
         self.n += 1
 
     def rows(self) -> NDArray[np.float64]:
-        """All of them (n, columns)."""
+        """All rows (n, columns)."""
         return np.frombuffer(self._values).reshape(self.n, -1)
 
 
@@ -95,9 +95,9 @@ def read_sonar(
     *,
     poses: Source | None = None,
 ) -> ScanLog:
-    """Return the log of a sonar ring; its ``poses`` are in the folder of the ``readings`` where no other file is named.
+    """Return the log of a sonar ring; its ``poses`` are in the folder of the ``readings`` unless a file is named.
 
-    Raises :class:`ReadError`, naming the file and the line, also where the poses are missing, and :class:`LimitError`.
+    Raises :class:`ReadError`, naming the file and the line, also if the poses are missing, and :class:`LimitError`.
     """
     if topic is not None:
         raise ReadError("log.topic", f"A sonar log has one ring of sonars and no topic {topic!r:.80}.")
