@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import ConfigError, LimitError
-from mapper.terrain.kernels import extension, segments
+from mapper.terrain.kernels import extension
 from mapper.terrain.kernels import ground as kernels
 from mapper.terrain.parameters import (
     BLOCK,
@@ -265,9 +265,9 @@ def given_back(
     sides = np.empty((heights.size, 4), dtype=np.int32)
     given, contested = np.empty_like(taken), np.empty_like(taken)
     limits = STEEPEST * cell, height, RISE_SHARE
-    segments.join_cells(heights, taken, *limits, parents)
-    segments.count_sides(heights, taken, *limits, parents, sides)
-    segments.judge(taken, parents, sides, LEAST_INTO, front, given, contested)
+    kernels.join_cells(heights, taken, *limits, parents)
+    kernels.count_sides(heights, taken, *limits, parents, sides)
+    kernels.judge(taken, parents, sides, LEAST_INTO, front, given, contested)
     return given, contested
 
 

@@ -13,8 +13,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.costmap import FREE, INSCRIBED, LETHAL, NO_INFORMATION, GivenLayer
 from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
 from mapper.terrain.ground import finite_points
-from mapper.terrain.kernels import moments as kernels
-from mapper.terrain.kernels.consensus import consensus
+from mapper.terrain.kernels import patches as kernels
 from mapper.terrain.parameters import PatchConfig
 
 MAX_PATCHES = 1 << 20  #: 80 MB of moments, and as much for the summed-area table
@@ -214,7 +213,7 @@ def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: floa
     in_order[:, :2] -= (at[order] + 0.5) * patches.size
     starts = np.concatenate([[0], np.cumsum(np.bincount(patch, minlength=rows * cols))]).astype(np.int64)
     agrees = np.empty(len(kept), dtype=np.bool_)
-    consensus(in_order, starts, TRIALS, distance, agrees)
+    kernels.consensus(in_order, starts, TRIALS, distance, agrees)
     out = np.zeros(len(local), dtype=np.bool_)
     out[kept[order]] = agrees
     return out

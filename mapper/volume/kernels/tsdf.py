@@ -1,16 +1,138 @@
-"""Depth images in truncated signed distances: which blocks an image's surface may touch, and their update.
+"""Beams and depth images in truncated signed distances.
 
-Numba twins of :func:`mapper.volume.surface.textbook.fuse_depth`. Source: Newcombe et al., KinectFusion, ISMAR 2011,
-section 3.3: a voxel takes the depth of the pixel that its centre is seen in.
+Of a beam, the voxels around its end, one beam after the other; numba twin of
+:func:`mapper.volume.surface.textbook.fuse_points`. Source: Curless & Levoy, SIGGRAPH 1996: signed distances along the
+line of sight; Amanatides & Woo, 1987, for the voxels on a line.
+
+Of a depth image, the blocks that its surface may touch, and their update; numba twins of
+:func:`mapper.volume.surface.textbook.fuse_depth`. Source: Newcombe et al., KinectFusion, ISMAR 2011, section 3.3: a
+voxel takes the depth of the pixel that its centre is seen in.
 """
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float32Array, Int32Array, UInt8Array
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
-from mapper.volume.kernels.types import Box, DepthView, Fusion
+from mapper.volume.kernels.blocks import block_code, slot_of
+from mapper.volume.kernels.types import BlockTable, Box, DepthView, Fusion
+
+Axis = tuple[int, float, float]  #: step, parameter of the first border and that between borders, 0 … 1 on the line
+
+
+@jit
+def _border(at: float, along: float) -> Axis:
+    """Return one axis of a line that goes ``along`` from ``at``, in keys."""
+    if along == 0.0:
+        return 0, np.inf, np.inf
+    step = 1 if along > 0.0 else -1
+    border = np.floor(at + 0.5) + 0.5 * step
+    return step, (border - at) / along, abs(1.0 / along)
+
+
+@jit
+def _line(
+    origin: Float64Array, end: Float64Array, resolution: float, fusion: Fusion
+) -> tuple[float, tuple[float, float, float], tuple[int, int, int], tuple[Axis, Axis, Axis]]:
+    """Return of a beam its length in metres, its direction in keys, the first voxel to update, and the axes from there.
+
+    The length is 0 for a beam that updates nothing: one of no length, or one that is too long.
+    """
+    dx, dy, dz = end[0] - origin[0], end[1] - origin[1], end[2] - origin[2]
+    length = sqrt(dx * dx + dy * dy + dz * dz) * resolution
+    if length > fusion.far:
+        length = 0.0
+    reach = np.float64(fusion.truncation) / length if length > 0.0 else 0.0
+    a, b = 0.0 if fusion.carve else max(1.0 - reach, 0.0), 1.0 + reach
+    px, py, pz = origin[0] + a * dx, origin[1] + a * dy, origin[2] + a * dz
+    first = int(np.floor(px + 0.5)), int(np.floor(py + 0.5)), int(np.floor(pz + 0.5))
+    axes = _border(px, (b - a) * dx), _border(py, (b - a) * dy), _border(pz, (b - a) * dz)
+    return length, (dx, dy, dz), first, axes
+
+
+@jit
+def beam_blocks(origin: Float64Array, ends: Float64Array, resolution: float, fusion: Fusion, out: Int64Array) -> int:
+    """Write the codes of the blocks with voxels that beams pass within the truncation of their ends; return how many.
+
+    ``origin`` (3,) and ``ends`` (n, 3) are in keys. ``out`` is long enough. The voxels are those of
+    :func:`fuse_beams`, to the last bit.
+    """
+    band, n = np.float64(fusion.truncation), 0
+    for i in range(ends.shape[0]):
+        length, (dx, dy, dz), (x, y, z), axes = _line(origin, ends[i], resolution, fusion)
+        if length == 0.0:
+            continue
+        (step_x, tx, apart_x), (step_y, ty, apart_y), (step_z, tz, apart_z) = axes
+        last = -1
+        while True:
+            code = block_code(x, y, z)
+            if code != last:
+                along = (ends[i, 0] - x) * dx + (ends[i, 1] - y) * dy + (ends[i, 2] - z) * dz
+                distance = along * resolution * resolution / length
+                if distance > -band and distance <= band:
+                    out[n], last = code, code
+                    n += 1
+            t = min(tx, ty, tz)
+            if t > 1.0:
+                break
+            if tx == t:
+                x, tx = x + step_x, tx + apart_x
+            elif ty == t:
+                y, ty = y + step_y, ty + apart_y
+            else:
+                z, tz = z + step_z, tz + apart_z
+    return n
+
+
+@jit
+def fuse_beams(
+    table: BlockTable, origin: Float64Array, ends: Float64Array, resolution: float, fusion: Fusion,
+    distances: Float32Array, weights: Float32Array, out_touched: BoolArray,
+) -> None:  # fmt: skip
+    """Update the voxels that beams pass, in the order of the beams, and write which blocks (slots,) have changed.
+
+    ``origin`` (3,) and ``ends`` (n, 3) are in keys; ``distances`` and ``weights`` (slots, 512) are the map. A voxel is
+    updated by each beam that passes it: within the truncation of its end and, if ``fusion.carve``, farther before it
+    too, in the blocks of the table.
+    """
+    band, near = np.float64(fusion.truncation), np.float64(fusion.near)
+    most = np.float64(fusion.max_weight)
+    for i in range(ends.shape[0]):
+        length, (dx, dy, dz), (x, y, z), axes = _line(origin, ends[i], resolution, fusion)
+        if length == 0.0:
+            continue
+        (step_x, tx, apart_x), (step_y, ty, apart_y), (step_z, tz, apart_z) = axes
+        base = 1.0 / (length * length) if fusion.inverse_square else 1.0
+        code, slot = -1, -1
+        while True:
+            here = block_code(x, y, z)
+            if here != code:
+                code = here
+                slot = slot_of(table, code)
+            if slot >= 0:
+                cell = (z & 7) << 6 | (y & 7) << 3 | (x & 7)
+                along = (ends[i, 0] - x) * dx + (ends[i, 1] - y) * dy + (ends[i, 2] - z) * dz
+                distance = along * resolution * resolution / length
+                sure = np.float64(weights[slot, cell])
+                if distance > -band and (distance <= band or fusion.carve):
+                    w = base * (band + distance) / (band - near) if distance < -near else base
+                    mean = (sure * np.float64(distances[slot, cell]) + w * min(distance, band)) / (sure + w)
+                    distances[slot, cell] = mean
+                    weights[slot, cell] = min(sure + w, most)
+                    out_touched[slot] = True
+            t = min(tx, ty, tz)
+            if t > 1.0:
+                break
+            if tx == t:
+                x, tx = x + step_x, tx + apart_x
+            elif ty == t:
+                y, ty = y + step_y, ty + apart_y
+            else:
+                z, tz = z + step_z, tz + apart_z
+
 
 TILE = 8  #: pixels along a side of the tiles of which blocks are found
 _PIECE = 4.0  # voxels of depth that are laid into one box
