@@ -1,6 +1,7 @@
-"""Read the messages nav2_msgs/Costmap of a recording.
+"""Costmaps of recordings: the messages nav2_msgs/Costmap read, and written to MCAP beside nav_msgs/OccupancyGrid.
 
-Source: nav2_msgs, Costmap.msg and CostmapMetaData.msg.
+Sources: nav2_msgs, Costmap.msg and CostmapMetaData.msg; nav2_costmap_2d, costmap_2d_publisher.cpp (the costs of an
+OccupancyGrid).
 """
 
 from __future__ import annotations
@@ -8,17 +9,21 @@ from __future__ import annotations
 import math
 import os
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
+from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
-from mapper.core.array_types import UInt8Array
+from mapper.core.array_types import Int8Array, UInt8Array
 from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid.occupancy_grid import GridGeometry
+from mapper.io.export import ros2
+from mapper.io.export.topics import Topics
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.containers.container import Container
@@ -229,3 +234,34 @@ def open_costmaps(
         why = f": {sink.reason}" if sink.reason else ""
         raise ReadError("costmaps.none", f"The file holds no costmaps ({TYPE} in a bag or an MCAP){why}.")
     return streams
+
+
+def occupancy_of_costs(costs: UInt8Array) -> Int8Array:
+    """Return costs as nav_msgs/OccupancyGrid shows them: 0 free, 1 … 98, 99 inscribed, 100 lethal, −1 unknown."""
+    table = np.zeros(256, dtype=np.int8)
+    table[1:253] = 1 + 97 * np.arange(252) // 251
+    table[253], table[254], table[255] = 99, 100, -1
+    return table[costs]
+
+
+def write_costmaps(file: IO[bytes], costmaps: Iterable[RecordedCostmap], topic: str = "/costmap") -> int:
+    """Write each costmap to ``topic``_raw as nav2_msgs/Costmap and to ``topic`` as OccupancyGrid, as Nav2 names them.
+
+    Return how many were written. Raises :class:`ConfigError` for a time before 0 or beyond 32 bits of seconds.
+    """
+    writer = Writer(file, compression=CompressionType.ZSTD)
+    writer.start("ros2", "gridbloom")
+    topics = Topics(writer, frozenset({topic, f"{topic}_raw"}))
+    n = 0
+    for costmap in costmaps:
+        stamp, geometry = costmap.stamp_ns, costmap.geometry
+        if not 0 <= stamp <= ros2.LAST_STAMP_NS:
+            raise ConfigError("costmap.stamp", f"A costmap’s time must be 0 … 2^31 s, not {stamp} ns.")
+        message = ros2.costmap(stamp, costmap.frame, costmap.layer, geometry.resolution, geometry.origin, costmap.costs)
+        topics.send(f"{topic}_raw", "nav2_msgs/msg/Costmap", stamp, message)
+        values = occupancy_of_costs(costmap.costs)
+        message = ros2.occupancy_grid(stamp, costmap.frame, geometry.resolution, geometry.origin, values)
+        topics.send(topic, "nav_msgs/msg/OccupancyGrid", stamp, message)
+        n += 1
+    writer.finish()  # type: ignore[no-untyped-call]
+    return n
