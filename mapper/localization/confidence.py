@@ -3,7 +3,7 @@
 That particles agree on a place does not tell that it is the right one: of several places that look alike they keep one.
 Two things tell it. Readings contradict a place where beams go on behind walls of the map, and a scan of which the map
 explains little was not taken there, or the map is not that of the place any more. And other places, on which
-alternatives are begun again and again (:mod:`mapper.localization.alternative`), must be ruled out by their tests, one
+alternatives are begun again and again (:mod:`mapper.localization.recovery`), must be ruled out by their tests, one
 after the other and soon: where a test takes long, another place explains the scans nearly as well. In a map that is out
 of date a wrong place may explain furniture better than the right one, and more of them must be ruled out. Where the
 estimate jumps beside the odometry, what was ruled out before says nothing of the new place.
