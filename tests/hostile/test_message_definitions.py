@@ -12,10 +12,10 @@ import pytest
 from mcap.writer import CompressionType, Writer
 
 from mapper.core.errors import LimitError, MapperError, ReadError
-from mapper.io.contents import raw_message as raw_messages
+from mapper.io.contents import message_tree
 from mapper.io.contents.fields import field_series, fields_of
 from mapper.io.contents.inspection import inspect
-from mapper.io.contents.raw_message import raw_message
+from mapper.io.contents.message_tree import raw_message
 from mapper.io.contents.tree_values import Tree, check_size
 from tests.hostile.corpus import T0
 
@@ -63,14 +63,14 @@ CASES: dict[str, tuple[str, bytes, type[MapperError], str]] = {
 def decoded(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The types of the values whose decoding was begun, in order."""
     begun: list[str] = []
-    decode: Callable[..., Tree] = raw_messages._Decoder.message
+    decode: Callable[..., Tree] = message_tree._Decoder.message
 
-    def noting(self: raw_messages._Decoder, kind: str, depth: int) -> Tree:
+    def noting(self: message_tree._Decoder, kind: str, depth: int) -> Tree:
         begun.append(kind)
         return decode(self, kind, depth)
 
-    monkeypatch.setattr(raw_messages._Decoder, "message", noting)
-    monkeypatch.setattr(raw_messages, "check_size", partial(check_size, most=20_000))  # a million take seconds
+    monkeypatch.setattr(message_tree._Decoder, "message", noting)
+    monkeypatch.setattr(message_tree, "check_size", partial(check_size, most=20_000))  # a million take seconds
     return begun
 
 

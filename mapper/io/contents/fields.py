@@ -1,6 +1,6 @@
 """The numbers in the messages of any topic over time, by the definition that the recording carries, and their frames.
 
-For a process with limits, as :mod:`mapper.io.contents.raw_message`, which decodes the messages. Source of the fields
+For a process with limits, as :mod:`mapper.io.contents.message_tree`, which decodes the messages. Source of the fields
 with names of frames: std_msgs/Header, and the definitions of the messages that begin with one, of ROS 1 and ROS 2.
 """
 
@@ -19,8 +19,8 @@ from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se3 import to_euler
 from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.message_tree import Decoder, decoder_of
 from mapper.io.contents.model import Column, Series
-from mapper.io.contents.raw_message import Decoder, decoder_of
 from mapper.io.contents.seeking import first_messages, no_messages, stated_in, unpacked
 from mapper.io.contents.tree_values import Tree
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate

@@ -1,6 +1,6 @@
 """Any message in Protocol Buffers as a tree of its fields, by the file descriptors that the recording carries.
 
-For a process with limits, as :mod:`mapper.io.contents.raw_message`. An enumeration is its number, a map the list of
+For a process with limits, as :mod:`mapper.io.contents.message_tree`. An enumeration is its number, a map the list of
 its keys and values. Source: google/protobuf/descriptor.proto; mcap.dev/spec/registry (schemas of kind ``protobuf``).
 """
 
@@ -91,7 +91,7 @@ def _field(message: str, stated: _Stated, tables: Mapping[str, Table], *, is_pro
 
 
 def tree_of_protobuf(kind: str, table: Table, data: bytes) -> Tree:
-    """Return the fields of a message by name, as :func:`mapper.io.contents.raw_message.tree_of` does.
+    """Return the fields of a message by name, as :func:`mapper.io.contents.message_tree.tree_of` does.
 
     Raises :class:`ReadError` and :class:`LimitError`.
     """

@@ -11,7 +11,7 @@ import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from mapper.core.errors import LimitError, ReadError
-from mapper.io.contents import raw_message
+from mapper.io.contents import message_tree
 from mapper.io.contents.definitions import definitions_of
 from mapper.io.contents.tree_values import SHOWN, Tree
 
@@ -44,7 +44,7 @@ float64 z
 
 
 def tree_of(kind: str, text: str, data: bytes, *, cdr: bool) -> Tree:
-    return raw_message.tree_of(definitions_of(kind, text), kind, data, cdr=cdr)
+    return message_tree.tree_of(definitions_of(kind, text), kind, data, cdr=cdr)
 
 
 def plain(value: Any) -> Any:

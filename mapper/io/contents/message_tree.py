@@ -135,7 +135,7 @@ MAX_BYTES = 1 << 24  #: of one message: as objects of Python it may take thirty 
 
 
 def tree_of_json(kind: str, data: bytes) -> Tree:
-    """Return the fields of a message by name, as :func:`mapper.io.contents.raw_message.tree_of` does.
+    """Return the fields of a message by name, as :func:`mapper.io.contents.message_tree.tree_of` does.
 
     Raises :class:`ReadError` and :class:`LimitError`.
     """
