@@ -81,7 +81,7 @@ def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
     return [results[place] for place in range(len(tasks))]
 
 
-_kept = local()
+_thread_words = local()
 _KEEP_WORDS = 1 << 24  # 128 MB, of which little is ever touched: so much is kept for a thread's next use
 
 
@@ -91,11 +91,11 @@ def scratch(words: int) -> Iterator[NDArray[np.int64]]:
 
     Memory that is used again has its pages already; to fetch them from the system costs more than many a kernel.
     """
-    present: NDArray[np.int64] | None = getattr(_kept, "words", None)
+    present: NDArray[np.int64] | None = getattr(_thread_words, "words", None)
     lent = present if present is not None and len(present) >= words else np.zeros(words, dtype=np.int64)
-    _kept.words = None  # after an error it may not be all 0
+    _thread_words.words = None  # after an error it may not be all 0
     yield lent
-    _kept.words = lent if len(lent) <= _KEEP_WORDS else None
+    _thread_words.words = lent if len(lent) <= _KEEP_WORDS else None
 
 
 def shares(n: int, parts: int) -> list[tuple[int, int]]:

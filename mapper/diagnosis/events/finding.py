@@ -195,9 +195,9 @@ def find_events(
 
 def _interpolated_scans(log: ScanLog, wheels: str) -> NDArray[np.bool_]:
     """Return of which scans (n_scans,) the wheels did not measure the turn, as their poses are far apart."""
-    found, is_so = sparse_turns(log, wheels), np.zeros(log.n_scans, dtype=np.bool_)
-    if found is not None:
-        is_so[found.scans] = True
+    turns, is_so = sparse_turns(log, wheels), np.zeros(log.n_scans, dtype=np.bool_)
+    if turns is not None:
+        is_so[turns.scans] = True
     return is_so
 
 

@@ -179,8 +179,8 @@ def _notes_on_speed(log: ScanLog) -> list[str]:
 
 
 def _notes_on_turns(log: ScanLog) -> list[str]:
-    found = sparse_turns(_longest(log))
-    return [] if found is None else [f"{found.sentence} {ADVICE}"]
+    turns = sparse_turns(_longest(log))
+    return [] if turns is None else [f"{turns.sentence} {ADVICE}"]
 
 
 def _notes_on_readings(log: ScanLog) -> list[str]:

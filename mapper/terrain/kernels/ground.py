@@ -352,18 +352,18 @@ def judge(
     sides: NDArray[np.int32],
     least_into: float,
     front: int,
-    given: BoolArray,
+    returned: BoolArray,
     contested: BoolArray,
 ) -> None:
     """Write which taken cells are given back, and which are not though some of their sides go on into the ground."""
     rows, cols = taken.shape
     for row in range(rows):
         for col in range(cols):
-            given[row, col] = contested[row, col] = False
+            returned[row, col] = contested[row, col] = False
             if taken[row, col]:
                 segment = _root_of(parents, row * cols + col)
                 into, drops = np.int64(sides[segment, 0]), np.int64(sides[segment, 1])
                 down, right = np.int64(sides[segment, 2]), np.int64(sides[segment, 3])
                 is_front = down * down + right * right >= front * front
-                given[row, col] = into > 0 and (is_front or into >= least_into * (into + drops))
-                contested[row, col] = into > 0 and not given[row, col]
+                returned[row, col] = into > 0 and (is_front or into >= least_into * (into + drops))
+                contested[row, col] = into > 0 and not returned[row, col]

@@ -55,10 +55,10 @@ class BlockParts:
         numbers[:used] = self.numbers[:used]
         self.numbers = numbers
 
-    def add(self, slots: Int32Array, wanted: UInt16Array) -> None:
-        """Give blocks the parts that are bits of ``wanted`` (n,), new ones unknown; ``slots`` (n,) all differ."""
+    def add(self, slots: Int32Array, part_bits: UInt16Array) -> None:
+        """Give blocks the parts that are bits of ``part_bits`` (n,), new ones unknown; ``slots`` (n,) all differ."""
         before = self.count
-        self.count += add_parts(self.numbers, slots, wanted, before)
+        self.count += add_parts(self.numbers, slots, part_bits, before)
         if self.count > len(self.values):
             more = np.empty((max(self.count, len(self.values) * 3 // 2), *_SHAPE), dtype=np.float32)
             more[:before] = self.values[:before]
@@ -234,7 +234,7 @@ class OccupancyVolume:
             )
             mark_ends(hits, box, marks)
             n = min(cores(), 1 + size // (BLOCK**3 * BLOCKS_A_THREAD))
-            shares_of = [_found(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
+            shares_of = [_blocks_within(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
             codes, corners, parts = (np.concatenate(some) for some in zip(*shares_of, strict=True))
             try:
                 slots = self._add(codes)
@@ -350,7 +350,7 @@ def _tiles(low: Int64Array, high: Int64Array) -> list[Box]:
     return [Box(*a, *(high - low for low, high in zip(a, b, strict=True))) for a, b in boxes]
 
 
-def _found(words: Int64Array, box: Box, z0: int, z1: int) -> tuple[Int64Array, Int64Array, UInt16Array]:
+def _blocks_within(words: Int64Array, box: Box, z0: int, z1: int) -> tuple[Int64Array, Int64Array, UInt16Array]:
     most = (z1 - z0) * (box.ny // BLOCK) * (box.nx // BLOCK)
     codes, corners = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
     parts = np.empty(most, dtype=np.uint16)
