@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { showAnswer } from "../../../ui/browser/attempts";
+import { Failure } from "../../../ui/Failure";
 import { written } from "../../../ui/numbers";
 import { SelectField } from "../../../ui/Select";
 import { addressOf, answerAt, ask } from "../../../wire/ask";
@@ -285,7 +286,7 @@ function Age({ store, session, edges }: FrameTreeProps & { readonly edges: reado
           name.value = value;
         }}
       />
-      {failure.value && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
       {answer.value && <Plot key={chosen} store={store} series={answer.value} plot="age" />}
     </>
   );

@@ -6,6 +6,7 @@ import { FileButton } from "../../../tools/files/FileButton";
 import { measuringOf } from "../../../tools/measure/measuring";
 import { areaOf } from "../../../tools/measure/model";
 import { Button } from "../../../ui/Button";
+import { Failure } from "../../../ui/Failure";
 import { written } from "../../../ui/numbers";
 import { ToggleOf } from "../../../ui/Toggle";
 import type { NoteAnswer } from "../../../wire/http";
@@ -34,7 +35,7 @@ export function Notes({ store, session, state, isGuest }: NotesProps) {
   return (
     <div class="notes">
       {!isGuest && <Editor key="new" store={store} state={state} />}
-      {state.failure.value && <p role="alert">{state.failure.value}</p>}
+      <Failure why={state.failure.value} />
       {notes?.length === 0 && <p class="quiet">There are no notes on this log yet.</p>}
       {notes !== null && notes.length > 0 && (
         <div class="actions">

@@ -5,6 +5,7 @@ import type { SharedView } from "../../../render/view";
 import { Button } from "../../../ui/Button";
 import { useAttempts } from "../../../ui/browser/attempts";
 import { confirm } from "../../../ui/Dialog";
+import { Failure } from "../../../ui/Failure";
 import { Panel } from "../../../ui/Panel";
 import { described, type Link, linksOf, makeLink, revokeLink, type Shown } from "./links";
 import "./share.css";
@@ -91,7 +92,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
         <p role="status" class="quiet">
           {said.value}
         </p>
-        {failure.value && <p role="alert">{failure.value}</p>}
+        <Failure why={failure.value} />
         {links.value && links.value.length > 0 && (
           <section aria-label={OWN_LINKS[unit]}>
             <h3>{OWN_LINKS[unit]}</h3>
