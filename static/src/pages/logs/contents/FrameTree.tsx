@@ -344,6 +344,8 @@ function edgeLabel(edge: FrameEdgeAnswer): string {
 
 /** The tree for screen readers. */
 function inWords({ edges, fixed }: FramesAnswer): string {
-  const said = edges.filter(({ used }) => used).map((edge) => `${edge.child} in ${edge.parent}, ${edgeLabel(edge)}`);
-  return `Fixed frame ${fixed}. ${said.join("; ")}.`;
+  const sentences = edges
+    .filter(({ used }) => used)
+    .map((edge) => `${edge.child} in ${edge.parent}, ${edgeLabel(edge)}`);
+  return `Fixed frame ${fixed}. ${sentences.join("; ")}.`;
 }

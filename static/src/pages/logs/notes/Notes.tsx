@@ -172,9 +172,9 @@ function Editor({ store, state, note, onDone }: EditorProps) {
     (!hasArea.value || pin.outline !== null);
   const save = async (): Promise<void> => {
     busy.value = true;
-    const kept = text.peek();
-    if (await state.keep(kept.trim(), pin, note?.id)) {
-      if (!note && text.peek() === kept) text.value = ""; // else it is the text of the next note already
+    const sent = text.peek();
+    if (await state.keep(sent.trim(), pin, note?.id)) {
+      if (!note && text.peek() === sent) text.value = ""; // else it is the text of the next note already
       onDone?.();
     }
     busy.value = false;

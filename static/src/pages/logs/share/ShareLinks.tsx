@@ -44,16 +44,16 @@ const made = ({ created_s }: Link): string =>
 /** Creates links to this view, lists and revokes one's own. */
 export function ShareLinks({ session, sharedView, shown, unit = "scan", text, children }: ShareLinksProps) {
   const links = useSignal<readonly Link[] | null>(null);
-  const said = useSignal("");
+  const status = useSignal("");
   const { isBusy, failure, attempt: attempted } = useAttempts();
   const copy = async (address: string, words: string): Promise<void> => {
-    said.value = await copied(address, words);
+    status.value = await copied(address, words);
   };
   const refresh = async (): Promise<void> => {
     links.value = await linksOf(session);
   };
   const attempt = (work: () => Promise<void>): Promise<void> => {
-    said.value = "";
+    status.value = "";
     return attempted(work);
   };
   const make = (): Promise<void> =>
@@ -90,7 +90,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
         </div>
         {children}
         <p role="status" class="quiet">
-          {said.value}
+          {status.value}
         </p>
         <Failure why={failure.value} />
         {links.value && links.value.length > 0 && (
