@@ -17,7 +17,7 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.se2 import compose, inverse, wrap_angle
-from mapper.localization.kernels.contradiction import count_unexplained
+from mapper.localization.kernels.scan_at_pose import count_unexplained
 from mapper.localization.map_model import MapModel
 from mapper.localization.scan_beams import ScanBeams
 
