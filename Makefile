@@ -73,7 +73,7 @@ docs: $(VENV)/.docs ## the documentation as a site in build/docs, which needs no
 pages: $(VENV)/.command ## static/dist, where its sources changed
 	$(NPM)
 
-wire: setup ## renew what is generated from the messages of the stream and the routes of the HTTP interface
+wire: $(VENV)/.installed ## renew what is generated from the messages of the stream and the routes of the HTTP interface
 	$(BIN)/python -m server.stream.generate
 	$(BIN)/python -m server.http_types
 

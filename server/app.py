@@ -18,10 +18,9 @@ from starlette.routing import BaseRoute
 from server.classes import Classes
 from server.classes.classes import Prepared, PreparedHere
 from server.downloads import Downloads
-from server.http.brake import CodeGuesses
+from server.http.brake import CodeGuesses, RequestPace
 from server.http.errors import CatchAll, Ending, EnoughMemory, install_error_handlers
 from server.http.metrics import Metrics
-from server.http.request_pace import RequestPace
 from server.http.routes import (
     class_puzzles,
     classes,

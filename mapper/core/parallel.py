@@ -81,7 +81,7 @@ def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
     return [results[place] for place in range(len(tasks))]
 
 
-_kept = local()
+_thread_words = local()
 _KEEP_WORDS = 1 << 24  # 128 MB, mostly untouched: buffers up to this size are kept for the thread's next use
 
 
@@ -92,11 +92,11 @@ def scratch(words: int) -> Iterator[NDArray[np.int64]]:
 
     The buffer is reused because page faults on fresh memory cost more than many kernels.
     """
-    present: NDArray[np.int64] | None = getattr(_kept, "words", None)
+    present: NDArray[np.int64] | None = getattr(_thread_words, "words", None)
     lent = present if present is not None and len(present) >= words else np.zeros(words, dtype=np.int64)
-    _kept.words = None  # after an error it may contain non-zero values
+    _thread_words.words = None  # after an error it may not be all 0
     yield lent
-    _kept.words = lent if len(lent) <= _KEEP_WORDS else None
+    _thread_words.words = lent if len(lent) <= _KEEP_WORDS else None
 
 
 def shares(n: int, parts: int) -> list[tuple[int, int]]:

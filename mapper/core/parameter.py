@@ -125,7 +125,7 @@ def with_values(config: C, values: Mapping[str, Any], what: str = "parameter") -
     return replace(config, **values)
 
 
-def changed_values(config: DataclassInstance, first: DataclassInstance) -> dict[str, Any]:
+def changed_values(config: DataclassInstance, first: DataclassInstance) -> Values:
     """Return the values, by name, in which ``config`` differs from ``first``, a config of the same class."""
     before = asdict(first)
     return {name: value for name, value in asdict(config).items() if value != before[name]}

@@ -183,8 +183,10 @@ class ObstacleConfig(ReadingsConfig):
         """
         if self.sources is None:
             return (None,)
-        wanted = _topic_name(topic) if self.has_topic_of(topics) else next(iter(self._topics_of_scans.values()), "")
-        return tuple(name for name, of_source in self._topics_of_scans.items() if of_source == wanted)
+        observed_topic = (
+            _topic_name(topic) if self.has_topic_of(topics) else next(iter(self._topics_of_scans.values()), "")
+        )
+        return tuple(name for name, of_source in self._topics_of_scans.items() if of_source == observed_topic)
 
     def has_topic_of(self, topics: Collection[str]) -> bool:
         """Whether a LaserScan source has one of these topics."""

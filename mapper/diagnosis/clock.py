@@ -1,4 +1,4 @@
-"""Checks of the stamps: jumps, duplicates, gaps, dropped scans, and an irregular rate.
+"""The stamps: jumps, duplicates, gaps, dropped scans, an irregular rate, and a smaller unit read as seconds.
 
 Gaps are defined in :mod:`mapper.diagnosis.events.gaps`.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.time_units import UNITS
 from mapper.diagnosis.consistency import Examined
 from mapper.diagnosis.events.gaps import MOVED_M, driven_ways, least_gap_s, recording_gaps
 from mapper.diagnosis.finding import MOST_SCANS, Finding
@@ -142,3 +143,39 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
             )
         )
     return findings
+
+
+RARE_S = 10.0  #: a robot that maps takes scans more often
+DRIVEN_M = 1.0  #: least extent of the path; poses of a standing robot differ by noise
+LEAST_STEP_M = 1e-3  #: least motion between two scans
+SPEEDS = (0.01, 3.0)  #: m/s, of robots; less than a factor of 1000 apart, so that at most one unit fits
+
+
+def check_unit(log: ScanLog, trajectory: str) -> list[Finding]:
+    """Compare the scan interval and the robot's speed with the usual values.
+
+    A finding requires a median interval of more than 10 s, and a median speed of the moving robot that is below 0.01
+    m/s for stamps in seconds, and plausible for milli-, micro- or nanoseconds.
+    """
+    along = log.trajectory(trajectory)
+    passed = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
+    step = np.hypot(*np.diff(along.poses[:, :2], axis=0).T)
+    moves = (passed > 0.0) & (step > LEAST_STEP_M)
+    if along.is_placeholder or not moves.any() or np.ptp(along.poses[:, :2], axis=0).max() < DRIVEN_M:
+        return []
+    usual = float(np.median(passed[passed > 0.0]))
+    speed = float(np.median(step[moves] / passed[moves]))
+    fitting = [(factor, unit) for factor, unit in UNITS if SPEEDS[0] <= speed * factor <= SPEEDS[1]]
+    if usual < RARE_S or not fitting or speed >= SPEEDS[0]:
+        return []
+    factor, unit = fitting[0]
+    return [
+        Finding(
+            "clock.unit",
+            f"The times are likely {unit} that are read as seconds: by them one scan comes every {usual:,.0f} s, in "
+            f"which the robot drives {speed * usual:.2g} m; in {unit} these are {usual / factor:.2g} s, and "
+            f"{speed * factor:.2g} m/s.",
+            f"Divide the log’s times by {factor:,.0f}: until then its durations, speeds and delays are wrong.",
+            0.9,
+        )
+    ]

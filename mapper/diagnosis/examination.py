@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from mapper.core.errors import ConfigError
-from mapper.diagnosis import clock, mounting, readings, sparse, sweep, time_unit, timing, walls
+from mapper.diagnosis import clock, mounting, readings, sparse, sweep, timing, walls
 from mapper.diagnosis.between import check_between
 from mapper.diagnosis.consistency import MOST_READINGS, Contradiction, Examined, examined
 from mapper.diagnosis.finding import Finding
@@ -56,7 +56,7 @@ _TURNED = _CHANGING | {"mount.turned"}
 #: In the order in which a person should look: checks that affect others come first.
 CHECKS: tuple[Check, ...] = (
     Check(clock.check, ("clock.backwards", "clock.doubled", "clock.gap", "clock.dropped", "clock.jitter")),
-    Check(lambda log, seen: time_unit.check(log, seen.trajectory), ("clock.unit",)),
+    Check(lambda log, seen: clock.check_unit(log, seen.trajectory), ("clock.unit",)),
     Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
     Check(sparse.check, (sparse.CHECK,), frozenset({readings.FEW})),
     Check(sweep.check_sweep, (sweep.CHECK,), _FEW),

@@ -22,14 +22,14 @@ def check(stated: ScanLog, seen: Examined) -> list[Finding]:
     ``stated`` is the log with the stamps of its poses. The scans in turns are the cause of double walls if the beams of
     the others agree clearly better.
     """
-    found = sparse_turns(stated, seen.trajectory)
-    if found is None:
+    turns = sparse_turns(stated, seen.trajectory)
+    if turns is None:
         return []
-    others = ~np.isin(seen.scans, found.scans)
+    others = ~np.isin(seen.scans, turns.scans)
     if others.mean() < LEAST_OTHERS:
         return []
     without = consistency(replace(seen, log=seen.log.take(np.flatnonzero(others)), scans=seen.scans[others]))
     if without < BETTER * seen.agreement or without < seen.agreement + BY:
         return []
     sure = min(0.95, 0.6 + 4.0 * (without - seen.agreement))
-    return [Finding(CHECK, found.sentence, ADVICE, sure, tuple(found.scans[:MOST_SCANS].tolist()))]
+    return [Finding(CHECK, turns.sentence, ADVICE, sure, tuple(turns.scans[:MOST_SCANS].tolist()))]

@@ -6,8 +6,8 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
+import msgspec
 import numpy as np
 
 from mapper.core.array_types import Int8Array
@@ -22,6 +22,18 @@ from mapper.io.maps.images import pgm_header
 FORMAT = "gridbloom map edits"
 VERSION = 1
 MAX_BYTES = 16 << 20  #: of a file of edits
+
+
+class EditSource(msgspec.Struct, frozen=True):
+    """The map that edits are of, as their file states it: None is not stated.
+
+    ``width`` and ``height`` are in cells, ``resolution`` is in metres a cell, ``origin`` is x, y (m) and yaw (rad).
+    """
+
+    width: int | None = None
+    height: int | None = None
+    resolution: float | None = None
+    origin: tuple[float, float, float] | None = None
 
 
 def edits_text(edited: EditedMap, source: str = "") -> str:
@@ -42,7 +54,7 @@ def edits_text(edited: EditedMap, source: str = "") -> str:
     return f'{json.dumps(head)[:-1]}, "edits": [\n  {lines}\n]}}\n'
 
 
-def read_edits(path: str | os.PathLike[str]) -> tuple[dict[str, Any], list[Operation]]:
+def read_edits(path: str | os.PathLike[str]) -> tuple[EditSource, list[Operation]]:
     """Return the edits in a file as :func:`parse_edits`; also raises :class:`ReadError` where it cannot be read."""
     try:
         with Path(path).open("rb") as file:
@@ -53,11 +65,11 @@ def read_edits(path: str | os.PathLike[str]) -> tuple[dict[str, Any], list[Opera
     return parse_edits(data)
 
 
-def parse_edits(data: bytes) -> tuple[dict[str, Any], list[Operation]]:
+def parse_edits(data: bytes) -> tuple[EditSource, list[Operation]]:
     """Return what a file of edits says of its source, and its operations.
 
-    Raises :class:`ReadError` for bytes that are no such file, :class:`ConfigError` for an impossible edit, with its
-    number, and :class:`LimitError` for more than 16 MiB or 2,000 edits.
+    Raises :class:`ReadError` for bytes that are no such file or a source of other types, :class:`ConfigError` for an
+    impossible edit, with its number, and :class:`LimitError` for more than 16 MiB or 2,000 edits.
     """
     if len(data) > MAX_BYTES:
         raise LimitError("edits.too_large", f"A file of edits may have at most {MAX_BYTES >> 20} MiB.")
@@ -81,30 +93,32 @@ def parse_edits(data: bytes) -> tuple[dict[str, Any], list[Operation]]:
             operations.append(parse_operation(entry))
         except ConfigError as error:
             raise ConfigError(error.code, f"Edit {k + 1}: {error.message}") from error
-    source = document.get("source")
-    return (source if isinstance(source, dict) else {}), operations
+    try:
+        source = msgspec.convert(document.get("source") or {}, EditSource)
+    except msgspec.ValidationError as error:
+        raise ReadError(
+            "edits.source", f"The map that the edits are of, 'source', is not as it must be: {error}."
+        ) from None
+    return source, operations
 
 
-def apply_edits(edited: EditedMap, source: dict[str, Any], operations: Sequence[Operation]) -> None:
+def apply_edits(edited: EditedMap, source: EditSource, operations: Sequence[Operation]) -> None:
     """Carry out the operations of a file of edits.
 
     Raises :class:`ConfigError` for edits of a map of another size or place, and, with the edit's number, as
     :meth:`EditedMap.apply`.
     """
     geometry = edited.source
-    size = [source.get("width", geometry.cols), source.get("height", geometry.rows)]
-    if size != [geometry.cols, geometry.rows]:
+    width = geometry.cols if source.width is None else source.width
+    height = geometry.rows if source.height is None else source.height
+    if (width, height) != (geometry.cols, geometry.rows):
         raise ConfigError(
             "edits.other_map",
-            f"The edits are of a map of {size[0]!r:.10} × {size[1]!r:.10} cells, but this one has "
-            f"{geometry.size_text}.",
+            f"The edits are of a map of {width} × {height} cells, but this one has {geometry.size_text}.",
         )
-    place = [source.get("resolution", geometry.resolution), *source.get("origin", geometry.origin)]
-    try:
-        is_same = np.allclose(np.asarray(place, dtype=np.float64), [geometry.resolution, *geometry.origin], atol=1e-6)
-    except (TypeError, ValueError):
-        is_same = False
-    if not is_same:
+    resolution = geometry.resolution if source.resolution is None else source.resolution
+    place = [resolution, *(source.origin or geometry.origin)]
+    if not np.allclose(place, [geometry.resolution, *geometry.origin], atol=1e-6):
         raise ConfigError("edits.other_map", "The edits are of a map with another resolution or origin than this one.")
     for k, operation in enumerate(operations):
         try:

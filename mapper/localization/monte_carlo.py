@@ -1,9 +1,9 @@
 """Monte Carlo localization: a particle filter on odometry and scans.
 
-Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. Beyond these: many particles until the
-filter has converged, likelihoods that are scaled down if a scan would leave too few effective particles, sensor
-resetting (Lenser and Veloso 2000), which draws particles from the likelihood of a scan, and an alternative: a second
-filter elsewhere in the map that is tested against the first (:mod:`mapper.localization.alternative`).
+Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. What neither has: many particles until
+the filter has converged, likelihoods that are scaled down where a scan would leave too few effective particles, sensor
+resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan, and an alternative: a
+second filter elsewhere in the map, which is tested against the first (:mod:`mapper.localization.recovery`).
 """
 
 from __future__ import annotations
@@ -18,14 +18,13 @@ from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import between_one, compose_one
 from mapper.grid import OccupancyGrid
-from mapper.localization.alternative import SHARE as ALTERNATIVE_SHARE
-from mapper.localization.alternative import Alternative, alternative_config, alternative_particles, near
 from mapper.localization.confidence import Confidence, is_jump, unexplained_shares
 from mapper.localization.estimate import Estimate, estimate_of, find_clusters
 from mapper.localization.map_model import MapModel, check_pose, map_model
 from mapper.localization.motion import anywhere, around, key_of, motion_between, move
 from mapper.localization.parameters import LocalizationConfig
-from mapper.localization.recovery import Recovery
+from mapper.localization.recovery import SHARE as ALTERNATIVE_SHARE
+from mapper.localization.recovery import Alternative, Recovery, alternative_config, alternative_particles, near
 from mapper.localization.resample import drawn, resampled
 from mapper.localization.scan_beams import ScanBeams, limits_of, scan_beams
 from mapper.localization.weighing import (

@@ -12,7 +12,7 @@ from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.parallel import cores, in_parallel, shares
 from mapper.localization.kernels.beam_model import weigh_by_beams
-from mapper.localization.kernels.score_poses import score_poses
+from mapper.localization.kernels.scan_at_pose import score_poses
 from mapper.localization.kernels.types import Mixture
 from mapper.localization.map_model import MapModel
 from mapper.localization.parameters import LocalizationConfig

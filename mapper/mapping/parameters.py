@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, choice, flag, number, table_of, with_values
+from mapper.core.parameter import Parameter, Value, Values, check_fields, choice, flag, number, table_of, with_values
 from mapper.grid import probability
 from mapper.mapping.sensor_model import (
     BeamModel,
@@ -270,7 +270,7 @@ def as_mapped(log: ScanLog, config: MappingConfig) -> ScanLog:
 SONAR_WINDOW = 0.2  #: metres: assumed thickness of the arc of a sonar echo
 
 
-def sensor_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def sensor_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> Values:
     """Return ``values`` of :data:`mapper.mapping.parameters.PARAMETERS` completed with the defaults for a sensor.
 
     Sensors with a ``beam_width`` > 0 (radians) use the sonar cone model. If ``values`` names a model, the other
@@ -281,16 +281,16 @@ def sensor_defaults(beam_width: float, values: Mapping[str, Any] | None = None) 
         return dict(values)
     row = BY_NAME["opening"]
     opening = float(np.clip(beam_width, row.low, row.high))
-    defaults: dict[str, Any] = {"opening": opening}
+    defaults: Values = {"opening": opening}
     if "model" not in values:
         defaults |= {"model": "sonar_cone", "window": SONAR_WINDOW}
     return defaults | dict(values)
 
 
 #: Defaults for recordings, whose maps should keep thin walls; a simulated world starts with the literature's values.
-RECORDED: Mapping[str, Any] = {"hit_and_passed": "only_hits"}
+RECORDED: Mapping[str, Value] = {"hit_and_passed": "only_hits"}
 
 
-def recorded_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def recorded_defaults(beam_width: float, values: Mapping[str, Any] | None = None) -> Values:
     """Return :func:`sensor_defaults` with :data:`RECORDED` for a recording."""
     return {**RECORDED, **sensor_defaults(beam_width, values)}

@@ -121,14 +121,14 @@ def _plugin(
     """
     key = _LISTS[node]
     section = find_node(root, (node,), (key,))
-    given = {**section[1]} if section else {}
+    parameters = {**section[1]} if section else {}
     default, default_kind = _DEFAULTS[node]
-    names = names_of(given.get(key, [default]), f"{node}.{key}")
+    names = names_of(parameters.get(key, [default]), f"{node}.{key}")
     rows = {row.name: row for row in table}
     usual = default_kind if names == [default] else ""
-    own = next((name for name in names if _is(given.get(name), kind, usual)), None)
+    own = next((name for name in names if _is(parameters.get(name), kind, usual)), None)
     values: dict[str, Any] = {}
-    for name, value in (given.pop(own) if own else {}).items():
+    for name, value in (parameters.pop(own) if own else {}).items():
         parameter = _RENAMED.get(name, name)
         if parameter in rows:
             values[parameter] = checked(rows[parameter], value, f"{node}.{own}.{name}", notes)
@@ -137,13 +137,13 @@ def _plugin(
             if name not in declared:
                 notes.append(undeclared(f"{node}.{own}", name, {*declared, *rows}))
     if own is None and section:
-        block = given.get(next(iter(names), ""))
+        block = parameters.get(next(iter(names), ""))
         plugin = block.get("plugin", usual) if isinstance(block, dict) else default_kind
         notes.append(not_built(".".join([node, *names[:1]]), plugin, _IN_PLACE[node]))
-    others |= {(node, str(name)): value for name, value in given.items()}
-    blocks = {name for name, value in given.items() if isinstance(value, dict)}  # of other plugins
+    others |= {(node, str(name)): value for name, value in parameters.items()}
+    blocks = {name for name, value in parameters.items() if isinstance(value, dict)}  # of other plugins
     known = _DECLARED[node]
-    notes += [undeclared(node, str(name), known) for name in given if name not in blocks and name not in known]
+    notes += [undeclared(node, str(name), known) for name in parameters if name not in blocks and name not in known]
     return own, values
 
 

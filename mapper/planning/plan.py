@@ -13,9 +13,8 @@ from mapper.core.errors import ConfigError
 from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION, name_of_cost
 from mapper.costmap.speed_filter import SpeedFilter
 from mapper.grid.occupancy_grid import GridGeometry
-from mapper.planning.kernels.a_star import search
+from mapper.planning.kernels.search import search, spread
 from mapper.planning.kernels.steps import trace_back
-from mapper.planning.kernels.wavefront import spread
 from mapper.planning.parameters import PlannerConfig
 
 

@@ -34,7 +34,7 @@ KEPT = 8  #: drives that are kept
 Step = Callable[[float], None]
 """Told now and then which share of a drive is done, 0 … 1; what it raises ends the drive."""
 _Made = tuple[str, int, int, SensorConfig, tuple[Drawn, ...]]
-_kept: OrderedDict[_Made, ScanLog] = OrderedDict()
+_drives: OrderedDict[_Made, ScanLog] = OrderedDict()
 _keeping = threading.Lock()
 
 
@@ -53,13 +53,13 @@ def drive(
     """
     key = (world, seed, n_scans, sensor, moved)
     with _keeping:
-        known = _kept.get(key)
+        known = _drives.get(key)
     driven = _driven(world, seed, n_scans, sensor, moved, step) if known is None else known
     with _keeping:
-        _kept[key] = driven
-        _kept.move_to_end(key)
-        if len(_kept) > KEPT:
-            _kept.popitem(last=False)
+        _drives[key] = driven
+        _drives.move_to_end(key)
+        if len(_drives) > KEPT:
+            _drives.popitem(last=False)
     return driven
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import Values
 from mapper.core.se2 import compose
 from mapper.puzzles.causes import CAUSES, Cause
 from mapper.sensors.motion import Motion, seconds
@@ -106,7 +107,7 @@ def _size(cause: Cause, rng: np.random.Generator, *, signed: bool = True) -> flo
     return value if not signed or rng.random() < 0.5 else -value
 
 
-def _with_values(log: ScanLog, name: str, start: dict[str, Any]) -> Spoiled:
+def _with_values(log: ScanLog, name: str, start: Values) -> Spoiled:
     return Spoiled(log, name, log, name, start)
 
 

@@ -230,10 +230,10 @@ def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> Sc
 
 def without_notes(log: ScanLog, notes: Sequence[str]) -> ScanLog:
     """Return a log without these notes; also in a joint log's parts."""
-    kept = tuple(note for note in log.notes if note not in notes)
+    other_notes = tuple(note for note in log.notes if note not in notes)
     if not isinstance(log, JointLog):
-        return replace(log, notes=kept)
-    return replace(log, notes=kept, parts=tuple(without_notes(part, notes) for part in log.parts))
+        return replace(log, notes=other_notes)
+    return replace(log, notes=other_notes, parts=tuple(without_notes(part, notes) for part in log.parts))
 
 
 def part_of_scan(log: ScanLog) -> Int64Array:

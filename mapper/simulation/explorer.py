@@ -17,8 +17,7 @@ from mapper.core.array_types import Float64Array
 from mapper.grid import GridGeometry
 from mapper.simulation.kernels.driving import ARRIVED, CAREFUL, MARGIN
 from mapper.simulation.kernels.raycast import chord_clearance
-from mapper.simulation.kernels.relaxation import relax
-from mapper.simulation.kernels.shortest_paths import shortest_paths
+from mapper.simulation.kernels.shortest_paths import relax, shortest_paths
 from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import World, clearance_lattice
 

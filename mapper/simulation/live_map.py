@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
+from mapper.core.parameter import Values
 from mapper.core.se2 import compose, compose_one, inverse, pose_tuple
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import Change, geometry_for, integrate_parts, integrate_scan
@@ -209,7 +210,7 @@ class LiveMap:
         self._mapping = True
         self.remake(self.config)
 
-    def compare(self, values: dict[str, Any] | None, *, with_faults: bool = False) -> None:
+    def compare(self, values: Values | None, *, with_faults: bool = False) -> None:
         """Keep a second map of the same recording with other ``values``; None removes it.
 
         It has true poses and readings, unless ``with_faults``. Raises :class:`ConfigError` for invalid values.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import Values
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, CellBox, OccupancyGrid, probability
 from mapper.mapping.integrate import Change
 from mapper.mapping.parameters import MappingConfig
@@ -66,7 +66,7 @@ class Forgetting:
 class SecondMap:
     """A map with other ``values`` than the first, from true poses and readings, or ``with_faults`` of the first."""
 
-    values: dict[str, Any]
+    values: Values
     with_faults: bool
     config: MappingConfig
     grid: OccupancyGrid

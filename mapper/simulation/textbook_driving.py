@@ -45,9 +45,9 @@ Pose = tuple[float, float, float]
 class Drive:
     """State of a robot of ``radius`` metres among the walls ``segments`` (n, 4): x0, y0, x1, y1, metres.
 
-    ``path`` (n, 2), metres, is the remaining path; ``pose`` and ``before`` are ``T_map_base`` (m, m, rad) now and a
-    step ago; ``linear`` (m/s) and ``angular`` (rad/s) are its velocities, ``wanted`` the commanded ones; ``progress``
-    (m, m, s) is the position and time of its last progress.
+    ``path`` (n, 2), metres, is what is left of its path; ``pose`` and ``before`` are ``T_map_base`` (m, m, rad) now and
+    a step ago; ``linear`` (m/s) and ``angular`` (rad/s) are its velocities, ``commanded`` the commanded ones;
+    ``progress`` (m, m, s) is the place and the time of its last progress.
     """
 
     segments: Float64Array
@@ -57,7 +57,7 @@ class Drive:
     before: Pose
     linear: float
     angular: float
-    wanted: tuple[float, float]
+    commanded: tuple[float, float]
     progress: tuple[float, float, float]
 
     def drive(self, steps: int, count: int, next_scan: float, *, planned: bool, given: bool) -> int:
@@ -70,7 +70,7 @@ class Drive:
             if (steps + done) % CONTROL_STEPS == 0 and not given:
                 if not (planned and done == 0) and self._needs_plan(now):
                     return done
-                self.wanted = self.velocities()
+                self.commanded = self.velocities()
             self.step()
             if (steps + done) % NOTE_STEPS == 0 or (steps + done + 1) * STEP >= next_scan - 1e-9:
                 return done + 1
@@ -82,7 +82,7 @@ class Drive:
         If the motion would touch a wall the robot slides along it, or stops if it cannot slide: its centre is never
         nearer than ``radius`` to a solid.
         """
-        linear, angular = self.wanted
+        linear, angular = self.commanded
         slowing = abs(linear) < abs(self.linear) or linear * self.linear < 0.0
         rate = BRAKING if slowing else LINEAR_ACCELERATION
         self.linear = _towards(self.linear, _clip(linear, MAX_LINEAR), rate * STEP)

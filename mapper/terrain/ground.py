@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import ConfigError, LimitError
-from mapper.terrain.kernels import extension, segments
+from mapper.terrain.kernels import extension
 from mapper.terrain.kernels import ground as kernels
 from mapper.terrain.parameters import (
     BLOCK,
@@ -266,12 +266,12 @@ def given_back(
     """
     parents = np.empty(heights.size, dtype=np.int32)
     sides = np.empty((heights.size, 4), dtype=np.int32)
-    given, contested = np.empty_like(taken), np.empty_like(taken)
+    returned, contested = np.empty_like(taken), np.empty_like(taken)
     limits = STEEPEST * cell, height, RISE_SHARE
-    segments.join_cells(heights, taken, *limits, parents)
-    segments.count_sides(heights, taken, *limits, parents, sides)
-    segments.judge(taken, parents, sides, LEAST_INTO, front, given, contested)
-    return given, contested
+    kernels.join_cells(heights, taken, *limits, parents)
+    kernels.count_sides(heights, taken, *limits, parents, sides)
+    kernels.judge(taken, parents, sides, LEAST_INTO, front, returned, contested)
+    return returned, contested
 
 
 def extended(
@@ -334,9 +334,9 @@ def _filter(
         lambda share: progress(0.1 + 0.5 * share),
     )
     centred = heights_of_centres(points, whole, corner, cell)
-    given, contested = given_back(centred, high, cell, config.height, radius)
-    doubtful = given | contested
-    known = np.where((high & ~given) | low, np.float32(np.nan), least)
+    returned, contested = given_back(centred, high, cell, config.height, radius)
+    doubtful = returned | contested
+    known = np.where((high & ~returned) | low, np.float32(np.nan), least)
     surface = filled(whole if np.isnan(known).all() else known)
     for i in range(passes):
         if i > 0:

@@ -13,8 +13,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.costmap import FREE, INSCRIBED, LETHAL, NO_INFORMATION, GivenLayer
 from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
 from mapper.terrain.ground import finite_points
-from mapper.terrain.kernels import moments as kernels
-from mapper.terrain.kernels.consensus import consensus
+from mapper.terrain.kernels import patches as kernels
 from mapper.terrain.parameters import PatchConfig
 
 MAX_PATCHES = 1 << 20  #: 80 MB of moments, and as much for the summed-area table
@@ -203,18 +202,18 @@ def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: floa
     local = np.asarray(points, dtype=np.float64) - patches.corner
     places = np.floor(local[:, :2] * (1.0 / patches.size))
     inside = ((places >= 0) & (places < (cols, rows))).all(axis=1)
-    kept = np.flatnonzero(inside)
-    at = places[kept].astype(np.int64)
+    rows_inside = np.flatnonzero(inside)
+    at = places[rows_inside].astype(np.int64)
     patch = at[:, 1] * cols + at[:, 0]
     order = np.argsort(patch, kind="stable")
-    in_order = local[kept[order]]
+    in_order = local[rows_inside[order]]
     # About the patch's centre, because planes of points far from 0 lose precision.
     in_order[:, :2] -= (at[order] + 0.5) * patches.size
     starts = np.concatenate([[0], np.cumsum(np.bincount(patch, minlength=rows * cols))]).astype(np.int64)
-    agrees = np.empty(len(kept), dtype=np.bool_)
-    consensus(in_order, starts, TRIALS, distance, agrees)
+    agrees = np.empty(len(rows_inside), dtype=np.bool_)
+    kernels.consensus(in_order, starts, TRIALS, distance, agrees)
     out = np.zeros(len(local), dtype=np.bool_)
-    out[kept[order]] = agrees
+    out[rows_inside[order]] = agrees
     return out
 
 

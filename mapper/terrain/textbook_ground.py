@@ -279,7 +279,7 @@ def given_back(
         around = [(row + down, col + right, down, right) for down, right in sides]
         return [(y, x, down, right) for y, x, down, right in around if 0 <= y < rows and 0 <= x < cols]
 
-    given, contested = np.zeros_like(taken), np.zeros_like(taken)
+    returned, contested = np.zeros_like(taken), np.zeros_like(taken)
     segments = np.zeros(heights.shape, dtype=np.int64)  # 0: none yet
     for number, (first, left) in enumerate(np.argwhere(taken).tolist(), start=1):
         if segments[first, left]:
@@ -304,8 +304,8 @@ def given_back(
         is_spur = into > 0 and math.hypot(*np.sum(directions, axis=0)) >= front
         is_ground = is_spur or (into > 0 and into >= LEAST_INTO * (into + drops))
         for place in cells:
-            given[place], contested[place] = is_ground, into > 0 and not is_ground
-    return given, contested
+            returned[place], contested[place] = is_ground, into > 0 and not is_ground
+    return returned, contested
 
 
 def continues(point: NDArray[np.float64], others: NDArray[np.float64], height: float, share: float) -> bool:
@@ -371,8 +371,8 @@ def ground_points(
     beyond = continued(whole, blocks, BLOCK, radius, reach, steepest)
     high = objects(beyond, radius, config.slope, cell, around, config.local_slope)[radius:-radius, radius:-radius]
     centred = heights_of_centres(points, corner, whole, cell)
-    given, contested = given_back(centred, high, cell, height, radius)
-    taken = (high & ~given) | low | np.isnan(least)
+    returned, contested = given_back(centred, high, cell, height, radius)
+    taken = (high & ~returned) | low | np.isnan(least)
     surface = filled(whole if taken.all() else np.where(taken, np.float32(np.nan), least))
     ground = near_surface(points, corner, surface, cell, height, config.scaling)
     for _ in range(round(config.passes) - 1):
@@ -385,7 +385,7 @@ def ground_points(
     strict, lenient = (
         near_surface(points, corner, surface, cell, factor * height, factor * config.scaling) for factor in (0.5, 2.0)
     )
-    unsure = (given | contested)[places] | (lenient & ~strict)
+    unsure = (returned | contested)[places] | (lenient & ~strict)
     wide = max(cell, math.sqrt(shape[0] * cell * shape[1] * cell / len(points)))
     for _ in range(round(config.extensions)):
         new = continuing(local, ground, wide, height, PLANE_SHARE * cell)

@@ -84,13 +84,13 @@ class MapSnapshots:
 
     def _bound(self, newest: dict[str, _Entry]) -> None:
         """Drop the oldest images of the session with the most bytes until the limits hold."""
-        while len(_kept(newest)) > MAX_KEPT:
+        while len(_with_data(newest)) > MAX_KEPT:
             _drop_oldest(newest)
         while self.nbytes > MAX_KEPT_BYTES:
             _drop_oldest(max(self._sessions.values(), key=_nbytes))
 
 
-def _kept(entries: dict[str, _Entry]) -> list[_Entry]:
+def _with_data(entries: dict[str, _Entry]) -> list[_Entry]:
     return [entry for entry in entries.values() if entry.snapshot is not None and entry.snapshot.image is not None]
 
 
@@ -100,6 +100,6 @@ def _nbytes(entries: dict[str, _Entry]) -> int:
 
 
 def _drop_oldest(entries: dict[str, _Entry]) -> None:
-    entry = _kept(entries)[0]
+    entry = _with_data(entries)[0]
     assert entry.snapshot is not None  # noqa: S101 - for the type checker: it is kept
     entry.snapshot = replace(entry.snapshot, image=None)

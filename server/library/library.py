@@ -65,7 +65,7 @@ from server.storage import private_folder
 
 if TYPE_CHECKING:
     from mapper.io.contents.fields import TopicFields
-    from mapper.io.contents.raw_message import RawMessage
+    from mapper.io.contents.message_tree import RawMessage
     from mapper.io.costmaps import CostmapStream
     from server.library.packs.volume import VolumeSource
 

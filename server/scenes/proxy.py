@@ -3,7 +3,12 @@
 viser's client is one page without further files, so it is served from the installed package, compressed once. Only the
 WebSocket is forwarded; viser's HTTP server, which reads files, is not reachable from outside. Only those of the
 browser's messages that :func:`server.scenes.browser_messages.passes` accepts are forwarded, and viser's messages only
-as fast as the browser draws them (:mod:`server.scenes.pacing`).
+as fast as the browser draws them: a browser that draws slowly is sent the newest state instead of every state.
+
+viser's client takes messages as fast as they come, keeps them, and works them off frame by frame; in a tab that is
+hidden it draws no frames. A script in its page (:data:`SCRIPT`) reports each message once it was worked off. While a
+few messages are not reported, the proxy takes no further ones from viser, whose buffer meanwhile drops what newer
+messages replace.
 """
 
 from __future__ import annotations
@@ -26,13 +31,48 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from server.scenes.browser_messages import passes
-from server.scenes.pacing import DRAWN, Pace
 from server.scenes.visitors import PAGE_HEADER, VISITOR_HEADER, Viewer
 from server.sessions.drawings import MAX_DRAWING_BYTES
 
-#: It reports each processed message (:mod:`server.scenes.pacing`). viser's worker sends what is posted to it as
-#: ``send`` once it has reported the connection, and a message is processed in the frame after its arrival. The first
-#: report says that the page has this script.
+MOST_AHEAD = 4  #: messages that were sent and not reported as drawn; each message of a running scene contains one state
+PATIENCE_S = 5.0  #: the next message is sent after this time in any case, because a report may be lost with its message
+
+#: The report, as packed by viser's client: ``{"type": "GridbloomDrawn"}``.
+DRAWN = b"\x81\xa4type\xaeGridbloomDrawn"
+
+
+class Pace:
+    """Messages that were sent to one browser and that it has drawn. Used from the event loop.
+
+    There is no wait for a browser that has never reported, such as a program without the script.
+    """
+
+    def __init__(self) -> None:
+        self._reports = False
+        self._ahead = 0
+        self._drawn = asyncio.Event()
+
+    def drawn(self) -> None:
+        """Record a report. The first one only says that reports will follow."""
+        self._ahead = max(0, self._ahead - 1) if self._reports else self._ahead
+        self._reports = True
+        self._drawn.set()
+
+    async def turn(self) -> None:
+        """Wait until another message may be sent, and count it."""
+        while self._reports and self._ahead >= MOST_AHEAD:
+            self._drawn.clear()
+            try:
+                async with asyncio.timeout(PATIENCE_S):
+                    await self._drawn.wait()
+            except TimeoutError:
+                self._ahead -= 1
+        self._ahead += 1
+
+
+#: It reports each message that was worked off (:mod:`server.scenes.proxy`): viser's worker sends what is posted to it
+#: as ``send`` once it has told of the connection, and a message is worked off in the frame after its arrival. The
+#: first report says that the page has this script.
 #:
 #: viser's client reconnects only while its document has the focus, which a view inside of a page rarely has. Here it is
 #: enough that the page is visible.

@@ -79,13 +79,13 @@ class MapSeries:
             if self._of is of:
                 self._share = share
 
-        def wanted() -> bool:
+        def may_continue() -> bool:
             return self._of is of and time.monotonic() - self._asked < IDLE_S and goes_on()
 
         def computed() -> Series:
             from mapper.replay.map_series import map_series  # noqa: PLC0415 - imports SciPy, which few sessions need
 
-            return map_series(log, config, trajectory, limits, progress, wanted)
+            return map_series(log, config, trajectory, limits, progress, may_continue)
 
         self._job = asyncio.ensure_future(in_turn(host.scheduler, host.job_owner, computed))
         self._job.add_done_callback(lambda done: done.cancelled() or done.exception())  # the next request reports it
@@ -316,11 +316,11 @@ class LogRecording(Recording, Viewed):
         def progress(share: float) -> None:
             result.share = share
 
-        def wanted() -> bool:
+        def may_continue() -> bool:
             return result.is_wanted and goes_on()
 
         result.future = asyncio.ensure_future(
-            examination(log, trajectory, host.scheduler, host.job_owner, wanted, progress)
+            examination(log, trajectory, host.scheduler, host.job_owner, may_continue, progress)
         )
         result.future.add_done_callback(
             lambda done: done.cancelled() or done.exception()

@@ -45,14 +45,14 @@ _SEGMENTS = np.array([(i * TILE * TILE, TILE * TILE) for i in range(MOST_AT_ONCE
 _EPOCHS = itertools.count(1)  # of the process; a new picture never reuses an epoch
 
 
-_kept = threading.local()
+_thread_state = threading.local()
 
 
 def _compressor() -> zstandard.ZstdCompressor:
     """Return this thread's compressor. Sharing it among pictures keeps its tables in the processor's cache."""
-    compressor: zstandard.ZstdCompressor | None = getattr(_kept, "compressor", None)
+    compressor: zstandard.ZstdCompressor | None = getattr(_thread_state, "compressor", None)
     if compressor is None:
-        compressor = _kept.compressor = zstandard.ZstdCompressor(compression_params=ZSTD_PARAMETERS)
+        compressor = _thread_state.compressor = zstandard.ZstdCompressor(compression_params=ZSTD_PARAMETERS)
     return compressor
 
 

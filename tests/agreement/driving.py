@@ -27,15 +27,15 @@ def drives(draw: st.DrawFn) -> tuple[Drive, int, float]:
     along = np.cumsum(0.1 * np.stack([np.cos(heading), np.sin(heading)], axis=-1), axis=0)
     path = np.array([x, y]) + rng.normal(0.0, 0.2, 2) + along.reshape(-1, 2)
     pose = (float(x), float(y), float(rng.uniform(-np.pi, np.pi)))
-    linear, angular, *wanted = rng.uniform(-1.6, 1.6, 4).tolist()
+    linear, angular, *commanded = rng.uniform(-1.6, 1.6, 4).tolist()
     progress = (float(x + rng.normal(0.0, 0.08)), float(y), float(rng.uniform(-3.0, 0.0)))
-    drive = Drive(world.segments, 0.2, path, pose, pose, linear, angular, (wanted[0], wanted[1]), progress)
+    drive = Drive(world.segments, 0.2, path, pose, pose, linear, angular, (commanded[0], commanded[1]), progress)
     return drive, draw(st.integers(0, 3)), float(rng.uniform(0.0, 0.5))
 
 
 def driven_by_kernel(case: tuple[Drive, int, float]) -> tuple[Any, ...]:
     drive, first, next_scan = case
-    state = np.array([*drive.pose, drive.linear, drive.angular, *drive.wanted, *drive.progress, *drive.before, 0.0])
+    state = np.array([*drive.pose, drive.linear, drive.angular, *drive.commanded, *drive.progress, *drive.before, 0.0])
     known = driving.PATH if len(drive.path) and first % 2 == 0 else driving.VELOCITIES
     out: list[Any] = []
     steps = first
@@ -61,7 +61,7 @@ def driven_by_textbook(case: tuple[Drive, int, float]) -> tuple[Any, ...]:
     while steps < STEPS:
         count = 1 if given else STEPS - steps
         done = drive.drive(steps, count, next_scan, planned=planned, given=given)
-        state = [*drive.pose, drive.linear, drive.angular, *drive.wanted, *drive.progress, *drive.before]
+        state = [*drive.pose, drive.linear, drive.angular, *drive.commanded, *drive.progress, *drive.before]
         out += [done, np.array(state), len(drive.path) if done else 0]
         steps, planned, given = steps + done, False, not done
         next_scan += 0.1 if steps * driving.STEP >= next_scan - 1e-9 else 0.0

@@ -16,10 +16,9 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.localization import LocalizationConfig, textbook
 from mapper.localization.estimate import find_clusters
 from mapper.localization.kernels.beam_model import weigh_by_beams
-from mapper.localization.kernels.contradiction import count_unexplained
 from mapper.localization.kernels.motion import draw_normal, draw_uniform, move_particles
 from mapper.localization.kernels.resampling import fill_bins, low_variance
-from mapper.localization.kernels.score_poses import score_poses
+from mapper.localization.kernels.scan_at_pose import count_unexplained, score_poses
 from mapper.localization.kernels.types import Bins, Mixture, OccupiedCells
 from mapper.localization.likelihood_field import likelihood_field, occupied_cells
 from mapper.localization.monte_carlo import bandwidth

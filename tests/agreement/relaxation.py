@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mapper.simulation import WORLDS, World
-from mapper.simulation.kernels.relaxation import relax
+from mapper.simulation.kernels.shortest_paths import relax
 from mapper.simulation.textbook import relaxed
 
 ROUNDS = 40

@@ -389,7 +389,6 @@ SHARED: dict[str, tuple[str, ...]] = {
     "mapper.volume.mesh.faces": ("faces of voxels",),
     "mapper.volume.mesh.mesh": ("mesh of signed distances", "parts of a mesh and their light"),
     "mapper.volume.mesh.meshing": ("parts of a mesh and their light",),  # the mesh whose parts are made
-    "mapper.volume.occupancy.block_parts": ("faces of voxels",),
     "mapper.volume.occupancy.stop_masks": ("faces of voxels",),
     "mapper.volume.occupancy.volume": ("faces of voxels",),  # the map whose faces are asked for
     "mapper.volume.surface.tsdf": ("parts of a mesh and their light",),

@@ -22,7 +22,7 @@ from mapper.volume.scans.scan_sequence import ScanSequence, gather
 from server.parts.volume.look import COLOURS, HEIGHT_RAMP, Look
 from server.parts.volume.start import bounds_of, first_look, first_resolution
 from server.parts.volume.surface import height_colors
-from server.scenes.drawers.surface import surface_glb
+from server.scenes.drawers.chunks import surface_glb
 from server.scenes.viser_server import Compressor
 from server.scenes.voxel_chunk import face_colors, voxel_chunk
 from tests.mapper.volume.moving_lidar import record

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 import mapper.volume.blocks
-import mapper.volume.occupancy.block_parts
 import mapper.volume.occupancy.volume
 from mapper.volume import OccupancyVolume, VolumeConfig, cast
 from mapper.volume.kernels.blocks import _home_of
@@ -25,7 +24,7 @@ from mapper.volume.kernels.rays import CENTRE
 from mapper.volume.kernels.types import BlockTable
 from tests.bench.volume_limits import BLOCK, cast_reads
 
-VOLUME, HASH, PARTS = mapper.volume.occupancy.volume, mapper.volume.blocks, mapper.volume.occupancy.block_parts
+VOLUME, HASH, PARTS = mapper.volume.occupancy.volume, mapper.volume.blocks, mapper.volume.occupancy.volume
 #: What the kernels of an insertion do, by the modules that call them and their names there.
 KERNELS = {
     "keys of the points": (VOLUME, ("voxel_keys", "key_bounds", "pack_keys", "distinct_voxels")),

@@ -15,7 +15,7 @@ from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.io.contents import message_tree
 from mapper.io.contents.fields import field_series, fields_of
 from mapper.io.contents.inspection import inspect
-from mapper.io.contents.raw_message import raw_message
+from mapper.io.contents.message_tree import raw_message
 from mapper.io.contents.tree_values import Tree, check_size
 from tests.hostile.corpus import T0
 

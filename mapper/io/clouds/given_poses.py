@@ -40,7 +40,7 @@ class GivenPoses:
         row = slice(number, number + 1)
         return np.asarray(poses_between(self.stamps[row], self.values[row], self.stamps[row])[0])
 
-    def at(self, frame_id: str, wanted: Int64Array) -> Float64Array:
+    def at(self, frame_id: str, times_ns: Int64Array) -> Float64Array:
         """Return the poses (n, 4, 4) at stamps (n,), ns, of whatever frame; NaN where none is near.
 
         Between two poses they are interpolated, as those of depth images are.
@@ -48,11 +48,11 @@ class GivenPoses:
         del frame_id  # the file states the poses of the sensor itself
         stamps, first = np.unique(self.stamps, return_index=True)
         values = self.values[first]
-        after = np.clip(np.searchsorted(stamps, wanted), 0, len(stamps) - 1)
+        after = np.clip(np.searchsorted(stamps, times_ns), 0, len(stamps) - 1)
         before = np.maximum(after - 1, 0)
-        gap = np.minimum(np.abs(wanted - stamps[before]), np.abs(wanted - stamps[after]))
-        inside = (wanted >= stamps[0]) & (wanted <= stamps[-1]) & (gap <= FARTHEST_NS)
-        poses = np.full((len(wanted), 4, 4), np.nan)
+        gap = np.minimum(np.abs(times_ns - stamps[before]), np.abs(times_ns - stamps[after]))
+        inside = (times_ns >= stamps[0]) & (times_ns <= stamps[-1]) & (gap <= FARTHEST_NS)
+        poses = np.full((len(times_ns), 4, 4), np.nan)
         if inside.any():
-            poses[inside] = poses_between(stamps, values, wanted[inside])
+            poses[inside] = poses_between(stamps, values, times_ns[inside])
         return poses

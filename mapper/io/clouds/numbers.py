@@ -60,7 +60,7 @@ def table(
         try:
             rows = np.loadtxt(io.BytesIO(text), delimiter=separator, ndmin=2, comments="#", encoding="latin-1")
         except (ValueError, OverflowError) as error:
-            raise ReadError("cloud.numbers", _said(str(error), first_line)) from error
+            raise ReadError("cloud.numbers", _message(str(error), first_line)) from error
     if columns is not None and len(rows) and rows.shape[1] != columns:
         raise ReadError(
             "cloud.numbers", f"The points have {rows.shape[1]} numbers each, but the header says {columns}."
@@ -68,7 +68,7 @@ def table(
     return rows[:n] if n is not None else rows
 
 
-def _said(error: str, first_line: int) -> str:
+def _message(error: str, first_line: int) -> str:
     """Return what NumPy says of a row, as a sentence with the line in the file, remarks and empty lines not counted."""
     match = _ROW.search(error)
     where = f"near line {int(match.group(1)) + first_line}" if match else "in the points"

@@ -69,7 +69,7 @@ def indexed_message(file: Source, topic: str, at_ns: int, limits: Limits) -> Ind
     """
     try:
         with opened(file) as stream:
-            return _found(stream, topic, at_ns, limits)
+            return _newest_message(stream, topic, at_ns, limits)
     except (CutError, DamagedError, StopIteration, KeyError, ReadError):
         return None
 
@@ -90,7 +90,7 @@ def definitions_in_bag(file: Source) -> dict[str, tuple[str, bytes]]:
     return definitions
 
 
-def _found(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedMessage | None:
+def _newest_message(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedMessage | None:
     kinds, chunks = _read_index(stream, topic)
     best: tuple[int, _Chunk, int, int] | None = None  # time, chunk, connection, offset
     earlier = sorted((chunk for chunk in chunks if chunk.first_ns <= at_ns), key=lambda chunk: -chunk.last_ns)

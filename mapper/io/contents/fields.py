@@ -1,6 +1,7 @@
-"""The numbers in the messages of any topic over time, by the definition that the recording carries.
+"""The numbers in the messages of any topic over time, by the definition that the recording carries, and their frames.
 
-For a process with limits, as :mod:`mapper.io.contents.message_tree`, which decodes the messages.
+For a process with limits, as :mod:`mapper.io.contents.message_tree`, which decodes the messages. Source of the fields
+with names of frames: std_msgs/Header, and the definitions of the messages that begin with one, of ROS 1 and ROS 2.
 """
 
 from __future__ import annotations
@@ -18,9 +19,8 @@ from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se3 import to_euler
 from mapper.io.contents.downsampling import min_max
-from mapper.io.contents.frame_names import frames_in, frames_of_type
+from mapper.io.contents.message_tree import Decoder, decoder_of
 from mapper.io.contents.model import Column, Series
-from mapper.io.contents.raw_message import Decoder, decoder_of
 from mapper.io.contents.seeking import first_messages, no_messages, stated_in, unpacked
 from mapper.io.contents.tree_values import Tree
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
@@ -30,6 +30,7 @@ from mapper.io.logs.containers.mcap_file import ENCODINGS
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
 from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 from mapper.io.logs.ros.ros_messages import plain_type
 
 _AXES = {
@@ -247,3 +248,65 @@ def field_series(
     if not rows.stamps or not rows.columns:
         raise ReadError("contents.no_numbers", f"The messages on {topic!r:.200} have no numbers that could be read.")
     return replace(rows.series(), type=message_type)
+
+
+MAX_FRAMES = 50  #: names of one message
+MAX_NAME = 200  #: characters of a name
+_FRAME_FIELDS = frozenset(("frame_id", "child_frame_id", "parent_frame_id"))  #: the last of Foxglove
+
+#: Types that begin with a Header, for recordings that do not define their types.
+HEADED = frozenset(
+    f"{package}/{name}"
+    for package, names in {
+        "sensor_msgs": "BatteryState CameraInfo CompressedImage FluidPressure Illuminance Image Imu JointState Joy "
+        "LaserScan MagneticField MultiDOFJointState MultiEchoLaserScan NavSatFix PointCloud PointCloud2 Range "
+        "RelativeHumidity Temperature TimeReference",
+        "nav_msgs": "GridCells OccupancyGrid Odometry Path",
+        "geometry_msgs": "AccelStamped AccelWithCovarianceStamped InertiaStamped PointStamped PolygonStamped PoseArray "
+        "PoseStamped PoseWithCovarianceStamped QuaternionStamped TransformStamped TwistStamped "
+        "TwistWithCovarianceStamped Vector3Stamped WrenchStamped",
+        "visualization_msgs": "ImageMarker Marker",
+    }.items()
+    for name in names.split()
+)
+#: Those of them in which the name of a child frame follows.
+_WITH_CHILD = frozenset(("nav_msgs/Odometry", "geometry_msgs/TransformStamped"))
+
+
+def frames_in(tree: Tree) -> tuple[str, ...]:
+    """Return the frames that a message names in its fields of :data:`_FRAME_FIELDS`, at any depth."""
+    return _named(_values(tree))
+
+
+def frames_of_type(kind: str, data: bytes, *, cdr: bool) -> tuple[str, ...]:
+    """Return the frames that a message of a type of :data:`HEADED` names first; none of any other."""
+    if kind not in HEADED:
+        return ()
+    fields = MessageFields(data, cdr=cdr)
+    try:
+        _, frame = fields.header()
+        return _named(iter((frame, fields.frame() if kind in _WITH_CHILD else "")))
+    except BadMessageError:
+        return ()
+
+
+def _named(names: Iterator[str]) -> tuple[str, ...]:
+    named: dict[str, None] = {}  # a set in order
+    for name in names:
+        if len(named) == MAX_FRAMES:
+            break
+        if frame := printable(name[:MAX_NAME]).lstrip("/"):
+            named[frame] = None
+    return tuple(named)
+
+
+def _values(value: object) -> Iterator[str]:
+    if isinstance(value, dict):
+        for name, part in value.items():
+            if name in _FRAME_FIELDS and isinstance(part, str):
+                yield part
+            else:
+                yield from _values(part)
+    elif isinstance(value, list):
+        for part in value:
+            yield from _values(part)

@@ -18,8 +18,7 @@ from mapper.io.contents.carmen_lines import inspect_carmen
 from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.log_lines import LOGGED, LineReader
 from mapper.io.contents.model import CameraContents, Contents, FrameEdge, Series, TopicContents
-from mapper.io.contents.pose_speeds import from_poses, pose_speeds, states_speeds
-from mapper.io.contents.series_messages import ODOMETRY, PLOTTED, PlottedType
+from mapper.io.contents.series_messages import ODOMETRY, PLOTTED, PlottedType, from_poses, pose_speeds, states_speeds
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.containers.container import Container

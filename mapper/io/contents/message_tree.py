@@ -1,13 +1,37 @@
-"""Any message of a recording as a tree of its fields, by the definition that the recording carries.
+"""One message of a recording as a tree of its fields: the newest of a topic at a moment.
 
-For a process with limits: the definition and the message were written by others. Every length is compared with the
-bytes that are there, and the numbers of values and levels are limited (:mod:`mapper.io.contents.tree_values`).
+It is decoded by the definition that the recording carries; a message in JSON names its fields itself. Source: RFC 8259;
+mcap.dev/spec/registry. For a process with limits: the definition and the message were written by others. Every length
+is compared with the bytes that are there, and the numbers of values and levels are limited
+(:mod:`mapper.io.contents.tree_values`).
 """
 
 from __future__ import annotations
 
-from mapper.io.contents.definitions import DYNAMIC, PRIMITIVES, STRING, TIMES, Definitions, Field
-from mapper.io.contents.tree_values import MAX_SHOWN, SHOWN, Tree, check_size, cut_list, cut_text, damaged, plain_number
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.contents.definitions import DYNAMIC, PRIMITIVES, STRING, TIMES, Definitions, Field, definitions_of
+from mapper.io.contents.idl import definitions_in_idl
+from mapper.io.contents.protobuf_tree import table_of, tree_of_protobuf
+from mapper.io.contents.seeking import Stated, message_at, stated_in
+from mapper.io.contents.tree_values import (
+    MAX_DEPTH,
+    MAX_SHOWN,
+    SHOWN,
+    Tree,
+    check_size,
+    cut_list,
+    cut_text,
+    damaged,
+    plain_number,
+)
+from mapper.io.logs.containers import mcap_file
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 from mapper.io.logs.ros.ros_messages import plain_type
 
@@ -105,3 +129,105 @@ class _Decoder:
         if field.length == DYNAMIC:
             return 4
         return (1 if field.length is None else field.length) * self._least_bytes(field.type, depth)
+
+
+MAX_BYTES = 1 << 24  #: of one message: as objects of Python it may take thirty times as much memory
+
+
+def tree_of_json(kind: str, data: bytes) -> Tree:
+    """Return the fields of a message by name, as :func:`mapper.io.contents.message_tree.tree_of` does.
+
+    Raises :class:`ReadError` and :class:`LimitError`.
+    """
+    if len(data) > MAX_BYTES:
+        raise LimitError("message.too_large", f"The message has more than {MAX_BYTES} bytes of JSON.")
+    try:
+        value = json.loads(data)
+    except RecursionError:
+        raise LimitError("message.too_deep", f"The message is nested more than {MAX_DEPTH} deep.") from None
+    except ValueError:
+        raise damaged(kind) from None
+    if not isinstance(value, dict):
+        raise damaged(kind)
+    return _Cutter().tree(value, 0)
+
+
+class _Cutter:
+    def __init__(self) -> None:
+        self._values = 0
+
+    def tree(self, value: dict[str, object], depth: int) -> Tree:
+        check_size(0, depth)
+        return {_text(name): self._value(part, depth) for name, part in value.items()}
+
+    def _value(self, value: object, depth: int) -> object:
+        self._values += 1
+        check_size(self._values, depth, MAX_SHOWN)
+        if isinstance(value, dict):
+            return self.tree(value, depth + 1)
+        if isinstance(value, list):
+            shown = value[:SHOWN] if self._values < MAX_SHOWN // 2 else []  # the rest is for what follows
+            return cut_list([self._value(item, depth + 1) for item in shown], len(value))
+        return _text(value) if isinstance(value, str) else plain_number(value)
+
+
+def _text(value: str) -> str:
+    return cut_text(value.encode("utf-8", "replace").decode())  # JSON can name halves of characters, alone no text
+
+
+Decoder = Callable[[bytes], Tree]
+#: Kinds of definitions of ROS → what reads them.
+_TEXTS: dict[str, Callable[[str, str], Definitions]] = {
+    "ros1msg": definitions_of,
+    "ros2msg": definitions_of,
+    "ros2idl": definitions_in_idl,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class RawMessage:
+    """A message: its type, when it was recorded, its size, and its fields."""
+
+    type: str
+    stamp_ns: int
+    bytes: int
+    tree: Tree
+
+
+def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS) -> RawMessage:
+    """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
+
+    Raises :class:`ReadError` where there is none, or where it cannot be read with what the recording says of its type,
+    and :class:`LimitError`.
+    """
+    message = message_at(path, topic, at_ns, limits, as_recorded=True)
+    decode = decoder_of(topic, stated_in(path, (topic,), limits).get(topic))
+    return RawMessage(message.type, message.stamp_ns, len(message.data), decode(message.data))
+
+
+def decoder_of(topic: str, stated: Stated | None) -> Decoder:
+    """Return what makes a tree of a message on a topic, by what the recording states of it.
+
+    Raises :class:`ReadError` where it states no definition, or one of a kind that is not read, and
+    :class:`LimitError`; so does the decoder for a message that is not as it is stated.
+    """
+    if stated is None or not (stated.definition.strip() or stated.message_encoding == "json"):
+        raise ReadError(
+            "message.no_definition",
+            f"The recording does not define the type of {topic!r:.200}: bags before ROS 2 Iron and files without an "
+            "index do not.",
+        )
+    kind = plain_type(stated.type)
+    if stated.message_encoding == "json":  # which names its fields
+        return partial(tree_of_json, kind)
+    form = stated.message_encoding, stated.definition_encoding
+    if form == ("protobuf", "protobuf"):
+        return partial(tree_of_protobuf, kind, table_of(kind, stated.definition))
+    if form[0] not in mcap_file.ENCODINGS or form[1] not in _TEXTS:
+        raise ReadError(
+            "message.encoding",
+            f"Messages in {form[0]!r:.40} with definitions of the kind {form[1]!r:.40} are not read: those of ROS with "
+            "ros1msg, ros2msg and ros2idl are, and json and protobuf.",
+        )
+    types = _TEXTS[form[1]](kind, stated.definition.decode("utf-8", "replace"))
+    return partial(tree_of, types, kind, cdr=mcap_file.ENCODINGS[form[0]])

@@ -1,15 +1,21 @@
 """The messages that are plotted over time, decoded to a row of numbers each.
 
-Source: the definitions of sensor_msgs/Imu, sensor_msgs/BatteryState, nav_msgs/Odometry, geometry_msgs/Twist and
-geometry_msgs/TwistStamped, of ROS 1 and ROS 2.
+The speeds of an odometry whose messages state none, as drivers that measure none leave them at zero, are those of its
+poses. Source: the definitions of sensor_msgs/Imu, sensor_msgs/BatteryState, nav_msgs/Odometry, whose twist is in the
+frame of the base, geometry_msgs/Twist and geometry_msgs/TwistStamped, of ROS 1 and ROS 2.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import Float64Array
+from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.contents.model import Column
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 from mapper.io.logs.ros.ros_messages import imu
@@ -129,3 +135,41 @@ PLOTTED: dict[str, PlottedType] = {
         _battery,
     ),
 }
+
+
+MOST = 3.0e38  #: a speed beyond it does not fit into float32
+FROM_POSES = "from poses"  #: behind the names of such speeds
+
+
+def states_speeds(rows: Float64Array) -> bool:
+    """Return whether an odometry states speeds, or never moves.
+
+    ``rows`` (n, 6) are forward and sideways (m/s), turning (rad/s), x and y (m), yaw (rad) of each message.
+    """
+    speeds, poses = rows[:, :3], rows[:, 3:]
+    return bool((np.nan_to_num(speeds) != 0.0).any() or (poses == poses[:1]).all())
+
+
+def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Array:
+    """Return forward and sideways (m/s) and turning (rad/s), (n, 3), of poses (n, 3) since the one before.
+
+    ``stamps_ns`` (n,) ascend. NaN for the first pose, for a pose at the time of the one before, and for speeds above
+    :data:`MOST`.
+    """
+    seconds = np.diff(stamps_ns) * 1e-9
+    moved = compose(inverse(poses[:-1]), poses[1:])
+    # On an arc the robot moves along the mean of its two headings.
+    half = 0.5 * moved[:, 2]
+    cos, sin = np.cos(half), np.sin(half)
+    x, y = moved[:, 0], moved[:, 1]
+    steps = np.column_stack([cos * x + sin * y, cos * y - sin * x, wrap_angle(moved[:, 2])])
+    speeds = np.full((len(poses), 3), np.nan)
+    passed = seconds > 0.0
+    speeds[1:][passed] = steps[passed] / seconds[passed, None]
+    speeds[np.abs(speeds) > MOST] = np.nan
+    return speeds
+
+
+def from_poses(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+    """Return the columns of an odometry with the names of speeds that are those of its poses."""
+    return tuple(replace(column, label=f"{column.label} {FROM_POSES}") for column in columns[:3]) + columns[3:]

@@ -1,18 +1,25 @@
 """Plausibility checks of a whole log: whether its sweeps are possible, and whether it measured anything.
 
 They apply to every log after reading, regardless of its format, so that all use the same rules and messages.
+
+Whether the readings contradict the times at which the beams were measured is asked too: simulators and drivers state a
+``time_increment`` of scans that were measured at once, or in another order, and none of scans that take all of the time
+between two. So the map is right by itself; the doctor asks more thoroughly (:mod:`mapper.diagnosis.sweep`).
+
+A distance that says "no return", although the log states no such limit, is told by what no wall can look like.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.no_return import code_for_no_return, without_code
+from mapper.core.array_types import Int64Array
+from mapper.io.logs.agreement import BY_M, MUCH, Agreement, fits
 from mapper.io.logs.pose_clocks import pose_clock
-from mapper.io.logs.sweeps import Sweep, contradicted_sweep
 from mapper.io.logs.text.packing import note_on_largest_reading
 from mapper.sensors.joint_log import each_part, sensors_of, with_notes, without_notes
 from mapper.sensors.robot_log import RobotLog
@@ -172,8 +179,8 @@ def _notes_on_speed(log: ScanLog) -> list[str]:
 
 
 def _notes_on_turns(log: ScanLog) -> list[str]:
-    found = sparse_turns(_longest(log))
-    return [] if found is None else [f"{found.sentence} {ADVICE}"]
+    turns = sparse_turns(_longest(log))
+    return [] if turns is None else [f"{turns.sentence} {ADVICE}"]
 
 
 def _notes_on_readings(log: ScanLog) -> list[str]:
@@ -221,3 +228,134 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
         f"number, zero, negative, −inf or below range_min{rest}."
     )
     return [note]
+
+
+LONGEST_S = 0.5  #: maximum duration of a lidar's turn considered
+_ONLY_SO = "only so do they end, where the robot turns, on walls that other scans saw."
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """Measurement times of a scan's beams according to the readings; ``why`` is a sentence.
+
+    ``time_increment`` is the time between beams, seconds; ``reversed`` means the opposite order of that stated.
+    """
+
+    why: str
+    time_increment: float = 0.0
+    reversed: bool = False
+
+
+def contradicted_sweep(log: ScanLog, period: float) -> Sweep | None:
+    """Return how a scan's beams were measured, if it differs from the stated times; None if that is not clear.
+
+    Poses are those of the log's first trajectory; ``period`` is the usual time between scans, seconds, 0 if unknown.
+    Each order is evaluated with its best delay, so that late poses have no influence, and the stated one must fit
+    clearly worse.
+    """
+    if log.can_deskew():
+        return _contradicted(log)
+    if log.time_increment == 0.0 and 0.0 < period <= LONGEST_S and not log.trajectory().is_placeholder:
+        return _not_stated(log, period)
+    return None
+
+
+def _contradicted(log: ScanLog) -> Sweep | None:
+    sweep = log.time_increment * (log.n_beams - 1)
+    agreement = Agreement(log, sweep)
+    if not agreement.tells or agreement.apart(log.time_increment) <= BY_M:  # nothing can fit clearly better
+        return None
+    stated, _ = agreement.best(log.time_increment)
+    at_once, _ = agreement.best(0.0)
+    backwards, _ = agreement.best(-log.time_increment, sweep)
+    if not fits(min(at_once, backwards), stated):
+        return None
+    lasts = f"A sweep of {log.n_beams} beams takes {abs(sweep):.3g} s by the stated time_increment, and their readings"
+    if fits(backwards, at_once):
+        begins = "last" if sweep > 0.0 else "first"
+        why = (
+            f"{lasts} fit together as measured in the other order, the {begins} beam first: {_ONLY_SO} They are "
+            "mapped so."
+        )
+        return Sweep(why, -log.time_increment, reversed=True)
+    return Sweep(f"{lasts} fit together as measured at once: {_ONLY_SO} The time_increment is not used (deskew off).")
+
+
+def _not_stated(log: ScanLog, period: float) -> Sweep | None:
+    """Return the sweep of a lidar that turns once between two scans, in a log that states no times."""
+    turn = log.scan_time if 0.0 < log.scan_time <= period else period
+    increment = turn * abs(log.angle_increment) / (2.0 * math.pi)
+    sweep = increment * (log.n_beams - 1)
+    agreement = Agreement(log, sweep)
+    if not agreement.tells or agreement.apart(0.0) <= BY_M:
+        return None
+    at_once, _ = agreement.best(0.0)
+    forwards, _ = agreement.best(increment)
+    backwards, _ = agreement.best(-increment, sweep)
+    if not fits(min(forwards, backwards), at_once, MUCH):
+        return None
+    first = "first" if forwards <= backwards else "last"
+    why = (
+        f"The scans state no possible time_increment, and their readings fit together as measured in {sweep:.3g} s, "
+        f"the {first} beam first: {_ONLY_SO} They are mapped so."
+    )
+    return Sweep(why, increment if first == "first" else -increment, reversed=False)
+
+
+LEAST_READINGS = 20  #: of the maximum distance, in wide runs of beams, and of all others
+LEAST_SCANS_WITH_RUNS = 5  #: with such runs
+LEAST_RUN_RAD = np.radians(30.0)  #: of neighbouring beams that all read the same distance
+WIDER = 2.0  #: times the width at which a flat wall has one distance
+APART_M = 0.5  #: between two positions with such runs
+LEAST_STEP_M = 1e-3  #: distances that differ by less are in one quantisation step, with 32-bit errors
+ENOUGH = 100_000  #: readings used to estimate the step
+
+
+def code_for_no_return(log: ScanLog) -> float | None:
+    """Return the maximum distance of a log, metres, if it means no return; None if it may be a wall.
+
+    Beams that hit a flat wall read one distance d only as long as rounding hides the increase to the sides: with a
+    quantisation step q over an angle of √(8 q / d). If many neighbouring beams read the maximum distance over twice
+    that angle, and at least 30°, in 5 scans and from positions 0.5 m apart, the wall would be an arc around the sensor
+    that moves with it. Sonars, whose cones read the nearest wall, are not tested.
+    """
+    if log.beam_width > 0.0 or log.bearings is not None or log.n_beams < 2:
+        return None
+    readings = log.ranges
+    counts = (readings >= log.range_min) & (readings <= log.range_max) & (readings > 0.0) & np.isfinite(readings)
+    if not counts.any():
+        return None
+    greatest = float(readings[counts].max())
+    if np.count_nonzero(counts & (readings < np.float32(greatest))) < LEAST_READINGS:
+        return None
+    rows = np.flatnonzero((counts & (readings == np.float32(greatest))).any(axis=1))
+    scans, widths, beams = _runs(readings[rows] == np.float32(greatest), abs(log.angle_increment))
+    flat = np.sqrt(8.0 * _step(readings[counts]) / greatest)
+    wide = widths >= max(LEAST_RUN_RAD, WIDER * flat)
+    if beams[wide].sum() < LEAST_READINGS:
+        return None
+    seen_in = np.unique(rows[scans[wide]])
+    places = log.trajectory().poses[seen_in, :2]
+    return (
+        greatest if len(seen_in) >= LEAST_SCANS_WITH_RUNS and float(np.ptp(places, axis=0).max()) >= APART_M else None
+    )
+
+
+def without_code(log: ScanLog, code: float) -> ScanLog:
+    """Return the log with the readings equal to the code replaced by +inf, no return."""
+    return replace(log, ranges=np.where(log.ranges == np.float32(code), np.float32(np.inf), log.ranges))
+
+
+def _step(readings: NDArray[np.float32]) -> float:
+    """Return the usual difference between consecutive distinct distances, metres."""
+    steps = np.diff(np.unique(readings[:: 1 + len(readings) // ENOUGH]).astype(np.float64))
+    steps = steps[steps >= LEAST_STEP_M]
+    return float(np.quantile(steps, 0.1)) if len(steps) else 0.0
+
+
+def _runs(is_same: NDArray[np.bool_], increment: float) -> tuple[Int64Array, NDArray[np.float64], Int64Array]:
+    """Return the runs of neighbouring beams in (n_scans, n_beams): their scans, angles in radians and beams, (n,)."""
+    edges = np.diff(np.pad(is_same, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    scans, first = np.nonzero(edges == 1)
+    beams = (np.nonzero(edges == -1)[1] - first).astype(np.int64)
+    return scans.astype(np.int64), np.asarray((beams - 1) * increment, dtype=np.float64), beams

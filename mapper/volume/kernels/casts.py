@@ -160,7 +160,7 @@ def cast_rays(
     reach, tie = rule.range_max * rule.range_max, _TIE * resolution
     # The centres of voxels entered before this distance are in range.
     near = rule.range_max - 2.0 * resolution if rule.range_max > 0.0 else np.inf
-    kind, wanted = (0, 1) if through else (1, 2)
+    kind, mask = (0, 1) if through else (1, 2)
     for i in range(origins.shape[0]):
         ox, oy, oz = origins[i, 0], origins[i, 1], origins[i, 2]
         fx, fy, fz = np.floor(factor * float(ox)), np.floor(factor * float(oy)), np.floor(factor * float(oz))
@@ -188,7 +188,7 @@ def cast_rays(
             inside = (bx | by | bz) & ~_BLOCKS == 0
             held = _indexed(belief.table, masks, bx, by, bz)
             slot = held >> 2
-            search = (held & wanted != 0) | (not inside)
+            search = (held & mask != 0) | (not inside)
             if search or leaves > near:
                 # The voxel where the ray enters the block, initially that of the origin.
                 nx, at_x = _crossed(entered, first_x, per_x)

@@ -51,7 +51,7 @@ def nearest_occupied(
     for i in range(points.shape[0]):
         at = points[i]
         best = limit * limit * (1.0 + 1e-12)
-        found = False
+        is_occupied = False
         bx, by, bz = int(np.floor(at[0] / 8.0)), int(np.floor(at[1] / 8.0)), int(np.floor(at[2] / 8.0))
         ring = 0
         while True:
@@ -62,7 +62,7 @@ def nearest_occupied(
                 for slot in range(corners.shape[0]):
                     x0, y0, z0 = corners[slot, 0], corners[slot, 1], corners[slot, 2]
                     closer = _nearest_in_block(belief, slot, x0, y0, z0, at, occupied, best)
-                    found |= closer < best
+                    is_occupied |= closer < best
                     best = closer
                 break
             for z in range(max(bz - ring, 0), min(bz + ring + 1, _BLOCKS)):
@@ -74,10 +74,10 @@ def nearest_occupied(
                         slot = slot_of(belief.table, block_code(8 * x, 8 * y, 8 * z))
                         if slot >= 0:
                             closer = _nearest_in_block(belief, slot, 8 * x, 8 * y, 8 * z, at, occupied, best)
-                            found |= closer < best
+                            is_occupied |= closer < best
                             best = closer
             ring += 1
-        out[i] = sqrt(best) if found else np.inf
+        out[i] = sqrt(best) if is_occupied else np.inf
 
 
 @jit

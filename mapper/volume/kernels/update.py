@@ -44,15 +44,16 @@ def marked_blocks(
 
 
 @jit
-def add_parts(parts: Int32Array, slots: Int32Array, wanted: UInt16Array, first: int) -> int:
-    """Assign indices from ``first`` on to the parts in the bits of ``wanted`` (n,) that have none; return their number.
+def add_parts(parts: Int32Array, slots: Int32Array, part_bits: UInt16Array, first: int) -> int:
+    """Number the parts of blocks that are bits of ``part_bits`` (n,) and have no number; return how many.
 
-    ``parts`` (slots, 16) are the part indices of all blocks, 0 for none.
+    The first new one is numbered ``first``. ``parts`` (slots, 16) are the numbers of the parts of all blocks, 0 where
+    there is none.
     """
     number = first
     for i in range(slots.shape[0]):
         for k in range(16):
-            if wanted[i] >> k & 1 and parts[slots[i], k] == 0:
+            if part_bits[i] >> k & 1 and parts[slots[i], k] == 0:
                 parts[slots[i], k] = number
                 number += 1
     return number - first

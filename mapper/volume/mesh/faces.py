@@ -218,10 +218,10 @@ def voxel_mesh(volume: OccupancyVolume) -> Mesh:
     vertices, normals = [np.empty((0, 3), np.float32)], [np.empty((0, 3), np.float32)]
     triangles, n = [np.empty((0, 3), np.int32)], 0
     for key, quads in faces.chunks.items():
-        corners, found = triangles_of(quads)
+        corners, indices = triangles_of(quads)
         place = (corners + (np.array(key) * CHUNK - CENTRE)) * volume.config.resolution
         vertices.append(place.astype(np.float32))
         normals.append(np.repeat(_NORMALS[quads[:, 0]], 4, axis=0))
-        triangles.append(found.astype(np.int32) + n)
+        triangles.append(indices.astype(np.int32) + n)
         n += len(corners)
     return Mesh(np.concatenate(vertices), np.concatenate(normals), np.concatenate(triangles))

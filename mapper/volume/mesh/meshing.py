@@ -10,8 +10,14 @@ import numpy as np
 from mapper.core.array_types import Int32Array, Int64Array
 from mapper.core.parallel import cores, in_parallel, shares
 from mapper.volume.blocks import BLOCK
-from mapper.volume.kernels.marching import neighbours, sign_rows, surface_cells, vertex_rows
-from mapper.volume.kernels.mesh_output import write_triangles, write_vertices
+from mapper.volume.kernels.marching_cubes import (
+    neighbours,
+    sign_rows,
+    surface_cells,
+    vertex_rows,
+    write_triangles,
+    write_vertices,
+)
 from mapper.volume.kernels.types import MeshBlocks, MeshEdges
 from mapper.volume.mesh.cube_cases import cube_tables
 from mapper.volume.mesh.mesh import Mesh

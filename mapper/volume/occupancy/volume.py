@@ -1,4 +1,7 @@
-"""Map of occupied, free and unknown voxels from point clouds with known sensor positions."""
+"""A map of occupied, free and unknown voxels, made of point clouds whose sensor's place is known.
+
+The log-odds of blocks of 8³ voxels are kept only for those parts of 2 × 2 × 8 voxels in which some are known.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +19,66 @@ from mapper.core.parallel import cores, in_parallel, scratch, shares
 from mapper.volume.blocks import BLOCK, BlockHash
 from mapper.volume.kernels.rays import CENTRE, distinct_voxels, key_bounds, mark_ends, mark_rays, pack_keys, voxel_keys
 from mapper.volume.kernels.types import Belief, Box, StopMasks, Updates
-from mapper.volume.kernels.update import apply_marks, decay_blocks, marked_blocks, summarise_blocks
-from mapper.volume.occupancy.block_parts import BlockParts
+from mapper.volume.kernels.update import add_parts, apply_marks, decay_blocks, marked_blocks, summarise_blocks
 from mapper.volume.occupancy.parameters import VolumeConfig
 from mapper.volume.occupancy.stop_masks import StopMaskCache
+
+PARTS = 16  #: of a block
+_SHAPE = (2, 2, BLOCK)  # of a part, z y x
+
+
+class BlockParts:
+    """Storage of the voxels' log-odds: ``numbers`` (slots, 16) are the indices of a block's parts in ``values``.
+
+    ``values`` (parts, 2, 2, 8) are float32, z y x, NaN if unknown. Part (z, y) of a block, four along each axis, is
+    entry 4 z + y of its row. Part 0 is all unknown and stands for missing parts. Both arrays have room for more than
+    ``count`` parts and the owner's blocks.
+    """
+
+    def __init__(self) -> None:
+        self.numbers = np.empty((0, PARTS), dtype=np.int32)
+        self.values = np.full((1, *_SHAPE), np.nan, dtype=np.float32)
+        self.count = 1
+
+    @property
+    def known_values(self) -> Float32Array:
+        """The log-odds (n, 2, 2, 8) of all allocated parts."""
+        return self.values[1 : self.count]
+
+    def n_bytes(self, blocks: int) -> int:
+        """Bytes of the log-odds of this number of blocks, and of their part indices."""
+        return self.count * self.values[:1].nbytes + blocks * self.numbers.itemsize * PARTS
+
+    def reserve(self, capacity: int, used: int) -> None:
+        """Make room for ``capacity`` blocks; the first ``used`` keep their parts and the others have none."""
+        numbers = np.zeros((capacity, PARTS), dtype=np.int32)
+        numbers[:used] = self.numbers[:used]
+        self.numbers = numbers
+
+    def add(self, slots: Int32Array, part_bits: UInt16Array) -> None:
+        """Give blocks the parts that are bits of ``part_bits`` (n,), new ones unknown; ``slots`` (n,) all differ."""
+        before = self.count
+        self.count += add_parts(self.numbers, slots, part_bits, before)
+        if self.count > len(self.values):
+            more = np.empty((max(self.count, len(self.values) * 3 // 2), *_SHAPE), dtype=np.float32)
+            more[:before] = self.values[:before]
+            self.values = more
+        self.values[before : self.count] = np.nan
+
+    def blocks(self, slots: Int32Array | Int64Array | slice) -> Float32Array:
+        """Return a copy of the log-odds (n, 8, 8, 8), z y x, of blocks by slot."""
+        rows = self.values[self.numbers[slots]].reshape(-1, 4, 4, *_SHAPE)
+        return rows.transpose(0, 1, 3, 2, 4, 5).reshape(-1, BLOCK, BLOCK, BLOCK)
+
+    def set_blocks(self, slots: Int32Array, values: Float32Array) -> None:
+        """Set the log-odds of the voxels (n, 8, 8, 8) of blocks; ``slots`` (n,) are distinct."""
+        rows = values.reshape(-1, 4, 2, 4, 2, BLOCK).transpose(0, 1, 3, 2, 4, 5).reshape(-1, PARTS, *_SHAPE)
+        known = ~np.isnan(rows).all(axis=(2, 3, 4))
+        self.add(slots, (known * (1 << np.arange(PARTS))).sum(axis=1).astype(np.uint16))
+        numbers = self.numbers[slots]
+        there = numbers > 0
+        self.values[numbers[there]] = rows[there]
+
 
 FORGET_BELOW = 0.1  #: log-odds nearer to 0 than this are removed by a decay
 _TILE_VOXELS = 1 << 27  # marks processed at a time, bytes
@@ -174,7 +233,7 @@ class OccupancyVolume:
             )
             mark_ends(hits, box, marks)
             n = min(cores(), 1 + size // (BLOCK**3 * BLOCKS_A_THREAD))
-            shares_of = [_found(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
+            shares_of = [_blocks_within(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
             codes, corners, parts = (np.concatenate(some) for some in zip(*shares_of, strict=True))
             try:
                 slots = self._add(codes)
@@ -296,7 +355,7 @@ def _tiles(low: Int64Array, high: Int64Array) -> list[Box]:
     return [Box(*a, *(high - low for low, high in zip(a, b, strict=True))) for a, b in boxes]
 
 
-def _found(words: Int64Array, box: Box, z0: int, z1: int) -> tuple[Int64Array, Int64Array, UInt16Array]:
+def _blocks_within(words: Int64Array, box: Box, z0: int, z1: int) -> tuple[Int64Array, Int64Array, UInt16Array]:
     most = (z1 - z0) * (box.ny // BLOCK) * (box.nx // BLOCK)
     codes, corners = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
     parts = np.empty(most, dtype=np.uint16)

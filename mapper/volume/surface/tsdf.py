@@ -20,8 +20,7 @@ from mapper.core.parallel import cores, in_parallel, scratch, shares
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.point_cloud import check_pose
 from mapper.volume.blocks import BLOCK, KEYS, BlockHash
-from mapper.volume.kernels.tsdf_depth import TILE, depth_span, fuse_depth, mark_surface
-from mapper.volume.kernels.tsdf_rays import beam_blocks, fuse_beams
+from mapper.volume.kernels.tsdf import TILE, beam_blocks, depth_span, fuse_beams, fuse_depth, mark_surface
 from mapper.volume.kernels.types import Box, DepthView, Fusion
 from mapper.volume.surface.parameters import TsdfConfig
 

@@ -65,9 +65,9 @@ def compare(
         ),
     ]
     grids = []
-    for path, sensor, poses, wanted in sides:
+    for path, sensor, poses, changes in sides:
         scans = read_log(path, sensor, tum_trajectory if path == log else None, tf)
-        config = configured(recorded_defaults(scans.beam_width, wanted))
+        config = configured(recorded_defaults(scans.beam_width, changes))
         with refusing(path):
             grid = grid_for(scans, config, poses)
             integrate_log(grid, scans, config, poses)

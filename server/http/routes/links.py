@@ -347,14 +347,14 @@ async def page(request: Request, library: Logs, token: str) -> Response:
 
 
 async def _navigation(
-    library: Library, downloads: Downloads, link: Link, kept: Sequence[object]
+    library: Library, downloads: Downloads, link: Link, stored: Sequence[object]
 ) -> list[msgspec.Struct]:
     """Return the commands that begin the costmap of a link, with its original map and terrain.
 
     If these have been deleted since, they are left out: the costmap is then over the log's own map, or without terrain.
     """
     commands: list[msgspec.Struct] = []
-    for fields in kept:
+    for fields in stored:
         if isinstance(fields, dict) and fields["type"] == "use_terrain":
             with suppress(MapperError):
                 of_terrain = msgspec.convert(fields, UseTerrain)

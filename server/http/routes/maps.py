@@ -99,8 +99,8 @@ async def map_yaml(
             stem, geometry, frame = stem_of(session), grid_of(session).geometry, session.model.frame_id
             offset = session.model.offset
         else:
-            kept = await _map_snapshot(downloads, session, at)
-            stem, geometry, frame, offset = kept.stem, kept.geometry, kept.frame, kept.offset
+            snapshot = await _map_snapshot(downloads, session, at)
+            stem, geometry, frame, offset = snapshot.stem, snapshot.geometry, snapshot.frame, snapshot.offset
         text = yaml_text(geometry, file_name(stem, "pgm", at), frame=frame, offset=offset).encode()
         return Content(file_name(stem, "yaml", at), iter([text]), len(text))
 
@@ -116,15 +116,15 @@ async def map_pgm(
     session = sessions.get(session_id)
 
     async def make() -> Content:
-        kept = await _map_snapshot(downloads, session, at)
-        if kept.image is None:
+        snapshot = await _map_snapshot(downloads, session, at)
+        if snapshot.image is None:
             raise MapSnapshotGoneError(
                 "map.snapshot_gone",
                 f"The snapshot {at!r} of the map is no longer kept: request map.pgm and map.yaml with another name.",
             )
-        shape = kept.image.shape
+        shape = snapshot.image.shape
         nbytes = len(pgm_header(shape)) + shape[0] * shape[1]
-        return Content(file_name(kept.stem, "pgm", at), pgm_pieces(shape, kept.image.bands()), nbytes)
+        return Content(file_name(snapshot.stem, "pgm", at), pgm_pieces(shape, snapshot.image.bands()), nbytes)
 
     return Download(downloads, requester_of(request, session), make, "image/x-portable-graymap")
 

@@ -43,7 +43,7 @@ def write_costmap_pack(streams: Mapping[str, CostmapStream], path: Path) -> None
 
 def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
     """Return what :func:`write_costmap_pack` wrote, by topic. Raises :class:`StalePackError` for any other file."""
-    from mapper.io.costmaps.reading import CostmapStream, KeptCostmap  # noqa: PLC0415 - few logs have them
+    from mapper.io.costmaps import CostmapStream, KeptCostmap  # noqa: PLC0415 - few logs have them
 
     streams: dict[str, CostmapStream] = {}
     try:

@@ -43,7 +43,7 @@ class FilterStates:
     n_particles: NDArray[np.int64]
     offsets: NDArray[np.int64]
     particles: NDArray[np.float32]
-    given: ReferenceMap
+    reference: ReferenceMap
 
     def cloud(self, scan: int) -> NDArray[np.float32]:
         """Return the particles (k, 3) after a scan: those of the last used scan up to it."""
@@ -61,7 +61,7 @@ def thinned(clouds: list[NDArray[np.float32]]) -> tuple[NDArray[np.int64], NDArr
 
 def filter_states_bytes(states: FilterStates) -> bytes:
     """Return the file of a filter's states."""
-    return compressed_arrays({name: getattr(states, name) for name in _ARRAYS} | states.given.arrays())
+    return compressed_arrays({name: getattr(states, name) for name in _ARRAYS} | states.reference.arrays())
 
 
 def read_converged(path: Path) -> NDArray[np.bool_]:
@@ -81,6 +81,6 @@ def read_filter_states(data: bytes) -> FilterStates:
             arrays_ = {name: arrays[name] for name in _ARRAYS if name in arrays}
             # In an older file without this field, no scan counts as sure.
             arrays_.setdefault("is_sure", np.zeros(len(arrays_["is_converged"]), dtype=np.bool_))
-            return FilterStates(**arrays_, given=ReferenceMap.of_arrays(arrays))
+            return FilterStates(**arrays_, reference=ReferenceMap.of_arrays(arrays))
     except UNREADABLE as error:
         raise ReadError("localization.file", _UNREADABLE) from error

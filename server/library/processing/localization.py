@@ -66,11 +66,11 @@ class LocalizeOutcome:
 
 @dataclass(frozen=True, slots=True)
 class LocalizeJob(BoundedJob[LocalizeOutcome]):
-    """Localize the log in ``pack`` with the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
+    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in a map.
 
-    ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
-    ``parameters`` are those that differ from the defaults. ``mapping`` are parameters of the log's own map, whose mount
-    and time offset are used.
+    The map is the file ``reference_map``; ``initial_pose`` is in it, None: anywhere. ``out`` is the path of its files
+    without their endings, ``parameters`` those that differ from the first values. ``mapping`` are parameters of the
+    log's own map, whose mount and time offset are used.
     """
 
     BACKGROUND = True
@@ -78,7 +78,7 @@ class LocalizeJob(BoundedJob[LocalizeOutcome]):
     CODE = "localization"
 
     pack: str
-    given: str
+    reference_map: str
     out: str
     trajectory: str | None
     initial_pose: tuple[float, float, float] | None
@@ -92,7 +92,7 @@ class LocalizeJob(BoundedJob[LocalizeOutcome]):
         from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
 
         log = log_in(self.pack)
-        reference = read_reference_map(Path(self.given))
+        reference = read_reference_map(Path(self.reference_map))
         grid = grid_of_values(reference.geometry, reference.values)
         watch = _Watch(self.out, log.n_scans)
         localized = localization.localize_log(

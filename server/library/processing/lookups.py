@@ -83,7 +83,7 @@ class Lookups(Generic[T]):
         self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], BoundedJob[T | None]]
     ) -> float:
         if key not in self._running:
-            task = asyncio.create_task(self._found(key, record, visitor, address, job))
+            task = asyncio.create_task(self._look_up(key, record, visitor, address, job))
             task.add_done_callback(lambda done: done.cancelled() or done.exception())
             self._running[key] = _Running(task, self._timer(task), visitor)
         return 0.0
@@ -97,7 +97,7 @@ class Lookups(Generic[T]):
             del self._kept[next(iter(self._kept))]
         self._kept[key] = value
 
-    async def _found(
+    async def _look_up(
         self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], BoundedJob[T | None]]
     ) -> T | None:
         def begun(source: str) -> BoundedJob[T | None]:

@@ -13,7 +13,7 @@ from server.library.logs.records import Record
 from server.library.processing.recording_worker import RecordingWorker
 
 if TYPE_CHECKING:
-    from mapper.io.contents.raw_message import RawMessage
+    from mapper.io.contents.message_tree import RawMessage
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -62,7 +62,7 @@ class MessageJob(_MomentJob["RawMessage"]):
 
     def compute(self) -> RawMessage:
         """Return the message. Raises :class:`ReadError` or :class:`LimitError`."""
-        from mapper.io.contents.raw_message import raw_message  # noqa: PLC0415 - as for pictures
+        from mapper.io.contents.message_tree import raw_message  # noqa: PLC0415 - as for pictures
 
         return raw_message(Path(self.source), self.topic, self.at_ns)
 

@@ -95,7 +95,7 @@ class LogLocalization(Part, Localized):
         if isinstance(command, ShowFilterStates):
             self._shown = (command.trajectory, command.states)
             self._drawn = None
-            self.show_map(command.states.given)
+            self.show_map(command.states.reference)
         else:
             self.show_map(command.map)
 
@@ -206,7 +206,7 @@ def series_of(states: FilterStates, seconds: np.ndarray[Any, Any]) -> FilterHist
     xy = np.trace(states.covariance[at, :2, :2], axis1=1, axis2=2)
     converged = np.flatnonzero(states.is_converged)
     return FilterHistory(
-        map=states.given.public(),
+        map=states.reference.public(),
         scans=at.tolist(),
         seconds=np.round(seconds[at], 2).tolist(),
         entropy=np.round(states.entropy[at], 3).tolist(),

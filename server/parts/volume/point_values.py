@@ -54,23 +54,23 @@ class PointValues:
 
     @property
     def _has_stamps(self) -> bool:
-        stamps = self._given.stamps_ns
+        stamps = self._sequence.stamps_ns
         return bool(stamps.min() < stamps.max())
 
     @property
-    def _given(self) -> ScanSequence:
+    def _sequence(self) -> ScanSequence:
         if self._scans is None:
             raise ValueError("a map without points has no numbers of them")
         return self._scans
 
     def _intensity(self) -> tuple[Float64Array, float, float]:
-        values = self._given.fields["intensity"].astype(np.float64)
+        values = self._sequence.fields["intensity"].astype(np.float64)
         low, high = np.nanpercentile(values, [1.0, 99.0]) if len(values) else (0.0, 1.0)
         return values, float(low), float(high)
 
     def _time(self) -> tuple[Float64Array, float, float]:
         """Return the times of the points' scans since the first, seconds; without times, their numbers from 1."""
-        scans = self._given
+        scans = self._sequence
         times = np.arange(1.0, len(scans) + 1.0)
         if self._has_stamps:
             times = np.asarray((scans.stamps_ns - scans.stamps_ns.min()).astype(np.float64) * 1e-9)
@@ -82,7 +82,7 @@ class PointValues:
         A point outside the sample has the value of the previous one in it. The scale ends where one in a hundred points
         is farther away.
         """
-        scans, other = self._given, self._other
+        scans, other = self._sequence, self._other
         if other is None:
             raise ValueError("there is no other cloud")
         its = other.points[sample_rows(len(other.points), MOST_COMPARED)]

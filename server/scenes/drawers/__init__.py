@@ -1,20 +1,15 @@
-"""The drawers, one file for each type of drawing. A new drawer is added to :data:`DRAWERS`."""
+"""The drawers, one class for each type of drawing. A new drawer is added to :data:`DRAWERS`."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
 from server.scenes.drawer import Drawer
+from server.scenes.drawers.chunks import SurfaceDrawer, VoxelsDrawer
 from server.scenes.drawers.gizmo import GizmoDrawer
 from server.scenes.drawers.grid_columns import GridColumnsDrawer
-from server.scenes.drawers.image import ImageDrawer
-from server.scenes.drawers.mesh import MeshDrawer
-from server.scenes.drawers.path import PathDrawer
-from server.scenes.drawers.points import PointsDrawer
 from server.scenes.drawers.robot_body import RobotBodyDrawer
-from server.scenes.drawers.segments import SegmentsDrawer
-from server.scenes.drawers.surface import SurfaceDrawer
-from server.scenes.drawers.voxels import VoxelsDrawer
+from server.scenes.drawers.shapes import ImageDrawer, MeshDrawer, PathDrawer, PointsDrawer, SegmentsDrawer
 from server.scenes.drawers.walls import WallsDrawer
 from server.sessions import drawings
 

@@ -223,7 +223,7 @@ export function inverseRangeSensorModel(
   const { rows, cols, resolution } = geometry;
   const w = config.window;
   const zMax = Math.min(scan.range_max, config.range_max);
-  const found = new Float64Array(rows * cols).fill(Number.NaN);
+  const updates = new Float64Array(rows * cols).fill(Number.NaN);
   const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
   const heading = pose[2] - geometry.origin[2];
   scan.ranges.forEach((_, beam) => {
@@ -246,9 +246,9 @@ export function inverseRangeSensorModel(
         const r = Math.sqrt(dCol * dCol + dRow * dRow) * resolution;
         const index = row * cols + col;
         if (free) {
-          if (r < zMax) found[index] = config.log_odds_miss;
-        } else if (r < z - w / 2) found[index] = config.log_odds_miss;
-        else if (w > 0 && r <= Math.min(zMax, z + w / 2)) found[index] = config.log_odds_hit;
+          if (r < zMax) updates[index] = config.log_odds_miss;
+        } else if (r < z - w / 2) updates[index] = config.log_odds_miss;
+        else if (w > 0 && r <= Math.min(zMax, z + w / 2)) updates[index] = config.log_odds_hit;
       }
     }
   });
@@ -256,9 +256,9 @@ export function inverseRangeSensorModel(
     const z = readingOf(scan, beam, config);
     if (!(scan.range_min <= z && z <= zMax)) return;
     const index = indexOf(geometry, cellOfBeam(geometry, pose, bearingOf(scan, beam), z));
-    if (index >= 0) found[index] = config.log_odds_hit;
+    if (index >= 0) updates[index] = config.log_odds_hit;
   });
-  return found;
+  return updates;
 }
 
 /** Lattice coordinates (column, row) of the point at distance `z` along a bearing. */

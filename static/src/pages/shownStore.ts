@@ -21,8 +21,8 @@ export function shownStore(live: ReadonlySignal<Store | null>, first: Store | nu
     queueMicrotask(() => {
       stop();
       isOver.value = true; // a later live store replaces this one, not the first picture
-      const wanted = first.teleported.peek();
-      if (wanted) store.teleport(wanted.point);
+      const teleported = first.teleported.peek();
+      if (teleported) store.teleport(teleported.point);
     });
   });
   return shown;

@@ -188,10 +188,10 @@ export class Classroom {
    */
   #takeAnswer(asked: ClassQuestion | null, known: number | null | undefined): void {
     if (!asked) return;
-    const given = this.answer.peek();
-    const isGiven = given?.question === asked.id;
+    const ownAnswer = this.answer.peek();
+    const isGiven = ownAnswer?.question === asked.id;
     if (isGiven && !asked.is_closed) {
-      if (known !== undefined && known !== given.value) this.give(given.value, asked.id);
+      if (known !== undefined && known !== ownAnswer.value) this.give(ownAnswer.value, asked.id);
     } else if (!isGiven || known !== undefined)
       this.answer.value = known === undefined || known === null ? null : { question: asked.id, value: known };
   }

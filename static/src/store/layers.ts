@@ -12,7 +12,7 @@ export const MAP = "map";
 export const SECOND_MAP = "second_map";
 
 /** The value of a map for a name, created if it is missing. */
-function kept<T>(map: Map<string, T>, name: string, make: () => T): T {
+function entryOf<T>(map: Map<string, T>, name: string, make: () => T): T {
   const known = map.get(name);
   if (known !== undefined) return known;
   const made = make();
@@ -43,7 +43,7 @@ export class Layers {
 
   /** The grid of a layer, whether or not the session currently has it. */
   grid(name: string): DisplayedMap {
-    return kept(this.#grids, name, () => new DisplayedMap());
+    return entryOf(this.#grids, name, () => new DisplayedMap());
   }
 
   /** The points, path or graph of a layer; null if there are none. */
@@ -52,7 +52,7 @@ export class Layers {
   }
 
   #content(name: string): Signal<LayerContent | null> {
-    return kept(this.#contents, name, () => signal(null));
+    return entryOf(this.#contents, name, () => signal(null));
   }
 
   /** Subscribe to a layer, which may not exist yet. The result unsubscribes; the last one clears the layer. */

@@ -59,7 +59,7 @@ export class Optimistic {
     const before = this.#server.peek();
     this.#server.value = values;
     const agreed: string[] = [];
-    const kept = new Map<string, Local>();
+    const remaining = new Map<string, Local>();
     for (const [name, local] of this.#local.peek()) {
       const received = values[name];
       // An unchanged value, because the message concerns another one.
@@ -67,10 +67,10 @@ export class Optimistic {
       if (answered < 0 && received !== before[name]) continue;
       const unanswered = local.unanswered.slice(answered + 1);
       if (unanswered.length === 0) continue;
-      kept.set(name, { value: local.value, unanswered });
+      remaining.set(name, { value: local.value, unanswered });
       if (received === local.value) agreed.push(name);
     }
-    if (this.#local.peek().size > 0) this.#local.value = kept;
+    if (this.#local.peek().size > 0) this.#local.value = remaining;
     for (const name of agreed) this.#agree(name);
     return !isSame(values, before);
   }
@@ -78,8 +78,10 @@ export class Optimistic {
   /** Set the server's values at a new connection. Local values are kept, and the caller sends them again. */
   reconnected(values: Values): void {
     this.#server.value = values;
-    const kept = [...this.#local.peek()].map(([name, { value }]) => [name, { value, unanswered: [value] }] as const);
-    this.#local.value = new Map(kept);
+    const remaining = [...this.#local.peek()].map(
+      ([name, { value }]) => [name, { value, unanswered: [value] }] as const,
+    );
+    this.#local.value = new Map(remaining);
   }
 
   /** The server refused a value: discard all local ones. */

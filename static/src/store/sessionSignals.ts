@@ -307,8 +307,8 @@ export class SessionSignals {
       const why = this.why.value;
       const first = why?.contributions[0];
       if (!why || !first) return null;
-      const wanted = Math.min(this.selectedUpdate.value ?? why.total, why.total);
-      return why.contributions[wanted - first.n] ?? null;
+      const update = Math.min(this.selectedUpdate.value ?? why.total, why.total);
+      return why.contributions[update - first.n] ?? null;
     });
     this.inspectedBeam = computed(() => {
       const frame = this.beliefFrame.value;

@@ -1,5 +1,5 @@
-import { useId, useRef } from "preact/hooks";
-import { zoomOf } from "./browser/useSize";
+import { useId } from "preact/hooks";
+import { useDrag } from "./browser/useDrag";
 import { decimals, keyed, type Range, snap, written } from "./numbers";
 import type { Tone } from "./Slider";
 
@@ -24,11 +24,14 @@ export function DragNumber(props: DragNumberProps) {
   const { label, sentence, value, unit, tone = "accent", text, low, high, step, after, onInput } = props;
   const id = useId();
   const range = { low, high, step };
-  const start = useRef<{ readonly x: number; readonly from: number } | null>(null);
   const shown = text ?? `${written(value, decimals(step))}${unit ? ` ${unit}` : ""}`;
-  const end = (): void => {
-    start.current = null;
-  };
+  const drag = useDrag({
+    begin: () => value,
+    move: (from, dx) => {
+      const next = snap(from + (dx / PX_PER_STEP) * step, range);
+      if (next !== value) onInput(next);
+    },
+  });
   const number = (
     <span
       class={`drag-number tone-${tone}`}
@@ -41,22 +44,7 @@ export function DragNumber(props: DragNumberProps) {
       aria-valuetext={shown}
       aria-describedby={id}
       title={`${label}: drag sideways, or use the arrow keys. ${sentence}`}
-      onPointerDown={(event) => {
-        if (event.button !== 0) return;
-        event.preventDefault();
-        event.currentTarget.focus({ preventScroll: true });
-        event.currentTarget.setPointerCapture(event.pointerId);
-        start.current = { x: event.clientX, from: value };
-      }}
-      onPointerMove={(event) => {
-        if (!start.current) return;
-        const steps = (event.clientX - start.current.x) / (PX_PER_STEP * zoomOf(event.currentTarget));
-        const next = snap(start.current.from + steps * step, range);
-        if (next !== value) onInput(next);
-      }}
-      onPointerUp={end}
-      onPointerCancel={end}
-      onLostPointerCapture={end}
+      {...drag}
       onKeyDown={(event) => {
         const next = keyed(event.key, event.shiftKey, value, range);
         if (next === null) return;

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
-import { useId, useRef } from "preact/hooks";
-import { zoomOf } from "./browser/useSize";
+import { useId } from "preact/hooks";
+import { useDrag } from "./browser/useDrag";
 import "./handle.css";
 
 interface HandleProps {
@@ -26,11 +26,11 @@ interface HandleProps {
 /** A handle in an SVG figure that moves along one axis, by mouse, touch or keys. */
 export function Handle(props: HandleProps) {
   const id = useId();
-  const start = useRef<{ x: number; y: number } | null>(null);
-  const end = (): void => {
-    if (start.current) props.onEnd?.();
-    start.current = null;
-  };
+  const drag = useDrag({
+    begin: props.onStart,
+    move: (_, dx, dy, fine) => props.onDrag(dx, dy, fine),
+    end: props.onEnd,
+  });
   return (
     <g
       class={`handle ${props.tone}`}
@@ -44,23 +44,7 @@ export function Handle(props: HandleProps) {
       aria-describedby={id}
       aria-orientation={props.axis === "x" ? "horizontal" : "vertical"}
       data-axis={props.axis}
-      onPointerDown={(event) => {
-        if (event.button !== 0) return;
-        event.preventDefault();
-        event.currentTarget.focus({ preventScroll: true });
-        event.currentTarget.setPointerCapture(event.pointerId);
-        start.current = { x: event.clientX, y: event.clientY };
-        props.onStart();
-      }}
-      onPointerMove={(event) => {
-        if (!start.current) return;
-        const zoom = zoomOf(event.currentTarget);
-        const { x, y } = start.current;
-        props.onDrag((event.clientX - x) / zoom, (event.clientY - y) / zoom, event.shiftKey);
-      }}
-      onPointerUp={end}
-      onPointerCancel={end}
-      onLostPointerCapture={end}
+      {...drag}
       onKeyDown={(event) => {
         if (props.onKey(event.key, event.shiftKey)) event.preventDefault();
       }}

@@ -6,22 +6,22 @@ const PAUSE_MS = 800;
 
 /** A polite live region for screen readers that announces the newest text, with pauses. */
 export function LiveRegion({ text }: { readonly text: string }) {
-  const said = useSignal("");
+  const announced = useSignal("");
   const last = useRef({ text, at: Number.NEGATIVE_INFINITY });
   useEffect(() => {
     if (text === last.current.text) return;
     const timer = setTimeout(
       () => {
         last.current = { text, at: performance.now() };
-        said.value = text;
+        announced.value = text;
       },
       Math.max(0, last.current.at + PAUSE_MS - performance.now()),
     );
     return () => clearTimeout(timer);
-  }, [text, said]);
+  }, [text, announced]);
   return (
     <p class="visually-hidden" role="status" aria-live="polite">
-      {said.value}
+      {announced.value}
     </p>
   );
 }

@@ -103,9 +103,9 @@ export function addressOf<K extends Asked>(
   names: Named<K>,
   query?: K extends keyof Queries ? Queries[K] : never,
 ): string {
-  const given: Readonly<Record<string, string | number>> = names;
+  const values: Readonly<Record<string, string | number>> = names;
   const path = what.slice(what.indexOf(" ") + 1);
-  const address = path.replace(/\{(\w+)\}/g, (_, name: string) => encodeURIComponent(given[name] ?? ""));
+  const address = path.replace(/\{(\w+)\}/g, (_, name: string) => encodeURIComponent(values[name] ?? ""));
   const search = new URLSearchParams();
   for (const [name, value] of Object.entries(query ?? {}))
     for (const item of Array.isArray(value) ? value : [value]) search.append(name, String(item));

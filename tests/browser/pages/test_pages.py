@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 from playwright.sync_api import Page, Route, WebSocket, expect
 
-from server.scenes.pacing import DRAWN, MOST_AHEAD
+from server.scenes.proxy import DRAWN, MOST_AHEAD
 from tests.browser.looking import await_map, frame, open_group, place_on, settled_digest, until
 from tests.browser.visits import SIZES
 

@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+import re
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -218,6 +219,8 @@ def test_files_that_are_no_edits_of_this_map() -> None:
         (text.replace('"version": 1', '"version": 9').encode(), ReadError, "version 9, not 1"),
         (text.replace('"occupied"', '"wall"').encode(), ConfigError, "Edit 1: The painted state"),
         (b" " * (17 << 20), LimitError, "16 MiB"),
+        (text.replace('"width": 40', '"width": "wide"').encode(), ReadError, "'source'.*int.*width"),
+        (re.sub(r'"origin": \[[^]]*\]', '"origin": 5', text).encode(), ReadError, "'source'.*array.*origin"),
     ):
         with pytest.raises(error, match=said):
             parse_edits(data)

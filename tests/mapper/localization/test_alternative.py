@@ -11,8 +11,8 @@ import pytest
 from mapper.core.se2 import between_one, compose
 from mapper.grid import OccupancyGrid
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
-from mapper.localization.alternative import ERROR, LIMIT, MOST_SCANS, Alternative, near
 from mapper.localization.estimate import Estimate
+from mapper.localization.recovery import ERROR, LIMIT, MOST_SCANS, Alternative, near
 from mapper.localization.scan_beams import ScanBeams
 from tests.mapper.localization.rooms import two_rooms
 

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from starlette.types import Message, Receive, Scope, Send
 
-from server.http import request_pace
-from server.http.request_pace import RequestPace
+from server.http import brake
+from server.http.brake import RequestPace
 
 
 async def answer(scope: Scope, receive: Receive, send: Send) -> None:
@@ -38,10 +38,10 @@ async def test_beyond_the_burst_requests_wait_and_then_are_refused(monkeypatch: 
     async def sleep(seconds: float) -> None:
         waits.append(seconds)
 
-    monkeypatch.setattr(request_pace, "VISITOR_BURST", 5.0)
-    monkeypatch.setattr(request_pace, "VISITOR_PER_S", 0.01)
-    monkeypatch.setattr(request_pace, "MAX_WAIT_S", 350.0)
-    monkeypatch.setattr("server.http.request_pace.asyncio.sleep", sleep)
+    monkeypatch.setattr(brake, "VISITOR_BURST", 5.0)
+    monkeypatch.setattr(brake, "VISITOR_PER_S", 0.01)
+    monkeypatch.setattr(brake, "MAX_WAIT_S", 350.0)
+    monkeypatch.setattr("server.http.brake.asyncio.sleep", sleep)
     app, began = RequestPace(answer), time.monotonic()
     assert [(await status(app, "greedy"))[0] for _ in range(9)] == [204] * 8 + [429]
     passed = time.monotonic() - began
@@ -55,8 +55,8 @@ async def test_beyond_the_burst_requests_wait_and_then_are_refused(monkeypatch: 
 
 
 async def test_a_visitor_without_a_cookie_is_one_of_a_network(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(request_pace, "NETWORK_BURST", 5.0)
-    monkeypatch.setattr(request_pace, "NETWORK_PER_S", 0.01)
+    monkeypatch.setattr(brake, "NETWORK_BURST", 5.0)
+    monkeypatch.setattr(brake, "NETWORK_PER_S", 0.01)
     app = RequestPace(answer)
     first = [(await status(app, f"visitor {n}", f"2001:db8::{n}"))[0] for n in range(7)]
     assert first == [204] * 5 + [429] * 2
@@ -64,9 +64,9 @@ async def test_a_visitor_without_a_cookie_is_one_of_a_network(monkeypatch: pytes
 
 
 async def test_who_is_remembered_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(request_pace, "MAX_KNOWN", 4)
-    monkeypatch.setattr(request_pace, "VISITOR_BURST", 1.0)
-    monkeypatch.setattr(request_pace, "VISITOR_PER_S", 0.01)
+    monkeypatch.setattr(brake, "MAX_KNOWN", 4)
+    monkeypatch.setattr(brake, "VISITOR_BURST", 1.0)
+    monkeypatch.setattr(brake, "VISITOR_PER_S", 0.01)
     app = RequestPace(answer)
     assert (await status(app, "first"))[0] == 204
     assert (await status(app, "first"))[0] == 429

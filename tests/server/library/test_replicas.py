@@ -187,7 +187,7 @@ async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_o
     given: list[ReferenceMap] = []
 
     def quickly(job: LocalizeJob) -> LocalizeOutcome:
-        given.append(read_reference_map(Path(job.given)))
+        given.append(read_reference_map(Path(job.reference_map)))
         raise ConfigError("test.enough", "This is enough.")
 
     monkeypatch.setattr("server.library.processing.localization.LocalizeJob.compute", quickly)

@@ -13,9 +13,8 @@ import pytest
 from starlette.websockets import WebSocket
 from websockets.asyncio.server import ServerConnection, unix_serve
 
-from server.scenes import Scenes, pacing
-from server.scenes.pacing import DRAWN, MOST_AHEAD, Pace
-from server.scenes.proxy import SCRIPT, SUBPROTOCOL, client_page, pass_on, take
+from server.scenes import Scenes, proxy
+from server.scenes.proxy import DRAWN, MOST_AHEAD, SCRIPT, SUBPROTOCOL, Pace, client_page, pass_on, take
 from server.sessions import SessionHost
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
@@ -60,16 +59,16 @@ async def proxied(path: Path) -> AsyncIterator[Browser]:
     async with asyncio.timeout(PATIENCE_S), server:
         socket = WebSocket(scope, browser.sends.get, browser.take)
         assert await take(socket)
-        proxy = asyncio.create_task(pass_on(socket, path))
+        forwarding = asyncio.create_task(pass_on(socket, path))
         yield browser
-        proxy.cancel()
-        await asyncio.gather(proxy, return_exceptions=True)
+        forwarding.cancel()
+        await asyncio.gather(forwarding, return_exceptions=True)
 
 
 async def test_a_browser_that_reports_is_sent_as_much_as_it_draws(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pacing, "PATIENCE_S", 10 * PATIENCE_S)
+    monkeypatch.setattr(proxy, "PATIENCE_S", 10 * PATIENCE_S)
     async with proxied(tmp_path / "scene") as browser:
         browser.say(DRAWN)
         browser.say(msgspec.msgpack.encode(CAMERA))
@@ -88,7 +87,7 @@ async def test_a_program_that_reports_nothing_is_sent_everything(tmp_path: Path)
 
 
 async def test_a_lost_report_stops_nothing_for_good(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pacing, "PATIENCE_S", 0.001)
+    monkeypatch.setattr(proxy, "PATIENCE_S", 0.001)
     pace = Pace()
     pace.drawn()
     async with asyncio.timeout(PATIENCE_S):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from server.scenes.drawers.path import MAX_SEGMENTS, path_segments
+from server.scenes.drawers.shapes import MAX_SEGMENTS, path_segments
 
 
 @pytest.mark.parametrize("n", [1, 2, 50, 3 * MAX_SEGMENTS])

@@ -176,14 +176,14 @@ def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odome
     driven = partial(tree.lookup, below)
     poses = driven(known)
 
-    def found(held: NDArray[np.bool_]) -> Corrections:
+    def corrections_of(held: NDArray[np.bool_]) -> Corrections:
         return replace(shared_out(stamps, values, driven, known.stamps_ns, held), ahead_ns=ahead)
 
-    held, none = found(np.ones(len(stamps) - 1, dtype=np.bool_)), np.zeros(len(stamps) - 1, dtype=np.bool_)
-    if _roughness(held.at(known.stamps_ns) @ poses) < _roughness(found(none).at(known.stamps_ns) @ poses):
+    held, none = corrections_of(np.ones(len(stamps) - 1, dtype=np.bool_)), np.zeros(len(stamps) - 1, dtype=np.bool_)
+    if _roughness(held.at(known.stamps_ns) @ poses) < _roughness(corrections_of(none).at(known.stamps_ns) @ poses):
         return held
     are_leaps, leaps = leaps_of(stamps, values, driven, known)
-    return replace(found(are_leaps), leaps=leaps)
+    return replace(corrections_of(are_leaps), leaps=leaps)
 
 
 def leaps_of(

@@ -132,8 +132,8 @@ class TfTopics:
     def _named(self, topic: str, name: str) -> list[str]:
         """Return the topics of a name in the namespace of another topic and around it, the nearest first."""
         names = {known.strip("/"): known for known in self._stated}
-        wanted = (f"{space}/{name}".strip("/") for space in namespaces(topic))
-        return [names[name] for name in wanted if name in names]
+        candidates = (f"{space}/{name}".strip("/") for space in namespaces(topic))
+        return [names[name] for name in candidates if name in names]
 
     def _moving_of(self, sensor: str, frame: str) -> str:
         near = self._named(sensor, "tf")

@@ -228,8 +228,8 @@ class Cluster:
 
         ticket = uuid.uuid4().hex
 
-        async def ask(function: Callable[..., Any], *given: object) -> Any:  # noqa: ANN401 - what it returns
-            return await _answer(client.run(function, ticket, *given, workers=[address]), address)
+        async def ask(function: Callable[..., Any], *arguments: object) -> Any:  # noqa: ANN401 - what it returns
+            return await _answer(client.run(function, ticket, *arguments, workers=[address]), address)
 
         try:
             await ask(tasks.begin_job)
@@ -237,8 +237,8 @@ class Cluster:
             async for name, piece in _pieces(source):
                 await ask(tasks.write_piece, name, piece)
             key = f"gridbloom-fleet-{ticket}"
-            given = (ticket, job, source.name)
-            future = client.submit(tasks.map_sent_log, *given, workers=[address], pure=False, key=key)
+            arguments = (ticket, job, source.name)
+            future = client.submit(tasks.map_sent_log, *arguments, workers=[address], pure=False, key=key)
             try:
                 result: Any = future.result()  # awaitable, because the client is asynchronous
                 return await self._awaited(client, address, asyncio.ensure_future(result), ask, tell)

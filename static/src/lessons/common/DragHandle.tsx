@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
-import { useId, useRef } from "preact/hooks";
-import { zoomOf } from "../../ui/browser/useSize";
+import { useId } from "preact/hooks";
+import { useDrag } from "../../ui/browser/useDrag";
 import type { Point } from "../../wire/protocol";
 import type { StageTransform } from "./Stage";
 
@@ -45,12 +45,12 @@ export function DragHandle({
   children,
 }: DragHandleProps) {
   const id = useId();
-  const start = useRef<{ readonly px: Point; readonly from: Point } | null>(null);
   const [x, y] = [transform.x(at[0]), transform.y(at[1])];
-  const end = (): void => {
-    if (start.current) onRelease?.();
-    start.current = null;
-  };
+  const drag = useDrag({
+    begin: () => at,
+    move: (from, dx, dy) => onMove([from[0] + dx / transform.metre, from[1] - dy / transform.metre]),
+    end: onRelease,
+  });
   return (
     <g
       class={`drag-handle tone-${tone}`}
@@ -65,22 +65,7 @@ export function DragHandle({
       aria-describedby={id}
       transform={`translate(${x} ${y})`}
       onClick={(event) => event.stopPropagation()}
-      onPointerDown={(event) => {
-        if (event.button !== 0) return;
-        event.preventDefault();
-        event.currentTarget.focus({ preventScroll: true });
-        event.currentTarget.setPointerCapture(event.pointerId);
-        start.current = { px: [event.clientX, event.clientY], from: at };
-      }}
-      onPointerMove={(event) => {
-        if (!start.current) return;
-        const { px, from } = start.current;
-        const metre = transform.metre * zoomOf(event.currentTarget);
-        onMove([from[0] + (event.clientX - px[0]) / metre, from[1] - (event.clientY - px[1]) / metre]);
-      }}
-      onPointerUp={end}
-      onPointerCancel={end}
-      onLostPointerCapture={end}
+      {...drag}
       onKeyUp={(event) => event.key in DIRECTIONS && onRelease?.()}
       onBlur={() => onRelease?.()}
       onKeyDown={(event) => {

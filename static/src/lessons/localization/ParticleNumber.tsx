@@ -26,7 +26,7 @@ export function ParticleNumber() {
   const { error, quantile } = limits.value;
   const bins = occupiedBins(corridor.value);
   const count = corridor.value.particles.length;
-  const wanted = Math.ceil(kldNumber(bins, error, quantile));
+  const required = Math.ceil(kldNumber(bins, error, quantile));
   const set = (change: Partial<typeof limits.value>): void => {
     limits.value = { ...limits.peek(), ...change };
   };
@@ -58,8 +58,8 @@ export function ParticleNumber() {
                 particles M
               </text>
               <path class="belief-line" d={curve} />
-              <path class="number-now" d={`M${x(bins)} ${BOTTOM}V${y(wanted)}H${LEFT}`} />
-              <circle class="particle-drawn" cx={x(bins)} cy={y(wanted)} r={5} />
+              <path class="number-now" d={`M${x(bins)} ${BOTTOM}V${y(required)}H${LEFT}`} />
+              <circle class="particle-drawn" cx={x(bins)} cy={y(required)} r={5} />
               <Grip
                 label="q"
                 sentence="Quantile of the normal distribution: how sure it is that the distance is below ε."
@@ -89,8 +89,8 @@ export function ParticleNumber() {
         }}
       </Plot>
       <figcaption class="number" aria-live="polite">
-        The {count} particles of the corridor lie in {bins} of {BINS} bins: M = {wanted} for ε = {written(error, 3)} and
-        q = {written(quantile, 2)}.
+        The {count} particles of the corridor lie in {bins} of {BINS} bins: M = {required} for ε = {written(error, 3)}{" "}
+        and q = {written(quantile, 2)}.
       </figcaption>
     </figure>
   );

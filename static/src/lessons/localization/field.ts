@@ -19,17 +19,17 @@ const NOISE = 0.02;
 /** AMCL's first values. */
 export const MIXTURE: FieldMixture = { z_hit: 0.5, z_rand: 0.5, sigma_hit: 0.2, range_max: RANGE_MAX };
 
-let kept: Float32Array | null = null;
+let cached: Float32Array | null = null;
 
 /** Distance of each cell's centre from the nearest wall of the map, at most {@link FARTHEST}; row 0 at the smallest y. */
 export function distances(): Float32Array {
-  if (kept) return kept;
+  if (cached) return cached;
   const { rows, cols, resolution } = FIELD_GEOMETRY;
-  kept = Float32Array.from({ length: rows * cols }, (_, i) => {
+  cached = Float32Array.from({ length: rows * cols }, (_, i) => {
     const centre: Point = [((i % cols) + 0.5) * resolution, (Math.floor(i / cols) + 0.5) * resolution];
     return Math.min(FARTHEST, distanceTo(centre, MAPPED));
   });
-  return kept;
+  return cached;
 }
 
 /** Distance of a point from the nearest wall by the field. */

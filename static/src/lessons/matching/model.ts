@@ -75,8 +75,8 @@ export function withNormals(scan: PointScan, settings: NormalSettings): SurfaceS
     if (!scan.isPoint[k]) continue;
     const [toX, toY] = [at(scan.x, k) - scan.sensor[0], at(scan.y, k) - scan.sensor[1]];
     const r = Math.hypot(toX, toY);
-    const wanted = Math.trunc(Math.min(settings.reach / Math.max(r * step, 1e-9), settings.most));
-    const half = Math.min(Math.max(settings.halfWidth, wanted), Math.floor((n - 1) / 2));
+    const reachInBeams = Math.trunc(Math.min(settings.reach / Math.max(r * step, 1e-9), settings.most));
+    const half = Math.min(Math.max(settings.halfWidth, reachInBeams), Math.floor((n - 1) / 2));
     const gap = Math.max(settings.leastGap, 3 * r * step);
     let [count, sx, sy, sxx, sxy, syy] = [0, 0, 0, 0, 0, 0];
     for (let off = -half; off <= half; off++) {
@@ -133,8 +133,8 @@ export function trimmed(pairs: Pairs, residuals: readonly number[], share: numbe
   const squares = residuals.map((e) => e * e);
   const rank = Math.min(Math.max(Math.trunc(share * squares.length), 1), squares.length) - 1;
   const limit = [...squares].sort((a, b) => a - b)[rank] ?? 0;
-  const kept = (beams: readonly number[]): readonly number[] => beams.filter((_, i) => at(squares, i) <= limit);
-  return share >= 1 ? pairs : { ours: kept(pairs.ours), theirs: kept(pairs.theirs) };
+  const within = (beams: readonly number[]): readonly number[] => beams.filter((_, i) => at(squares, i) <= limit);
+  return share >= 1 ? pairs : { ours: within(pairs.ours), theirs: within(pairs.theirs) };
 }
 
 /** The distance of each pair: to the point, or to the line through it, signed. */

@@ -64,9 +64,9 @@ class Queue {
 
   #swap(a: number, b: number): void {
     for (const list of [this.#keys, this.#cells]) {
-      const kept = list[a] as number;
+      const swapped = list[a] as number;
       list[a] = list[b] as number;
-      list[b] = kept;
+      list[b] = swapped;
     }
   }
 

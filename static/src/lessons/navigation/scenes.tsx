@@ -238,7 +238,7 @@ export const lifetimeScene = (): Scene =>
       const now = isGone()
         ? `The table was taken away ${plural(since.value, "second")} ago.`
         : "The table stands in the corridor.";
-      const kept =
+      const verdict =
         left > 0
           ? `${plural(left, "lethal cell")} of it ${left === 1 ? "is" : "are"} in ${WHERE[placeOfTable.value]}`
           : "None of its cells is left";
@@ -249,7 +249,7 @@ export const lifetimeScene = (): Scene =>
         placeOfTable.value === "dynamic" && left > 0 && isGone()
           ? ` Forgotten in ${written(tableLifetime.value - since.value + 1, 0)} s.`
           : "";
-      return `${now} ${kept}, ${extra}.${forgotten}`;
+      return `${now} ${verdict}, ${extra}.${forgotten}`;
     },
     task: "Drag the robot towards it.",
   });

@@ -36,7 +36,7 @@ export const PROGRAM: readonly (readonly SourceLine[])[] = SHOWN.map((fn) => lin
 
 /** The first line of a function that begins with some text. */
 export function lineOf(fn: FunctionName, beginning: string): number {
-  const found = PROGRAM[SHOWN.indexOf(fn)]?.find((line) => line.text.trim().startsWith(beginning));
-  if (!found) throw new Error(`${fn} of mapper/mapping/textbook.py has no line that begins with ${beginning}`);
-  return found.offset;
+  const sourceLine = PROGRAM[SHOWN.indexOf(fn)]?.find((line) => line.text.trim().startsWith(beginning));
+  if (!sourceLine) throw new Error(`${fn} of mapper/mapping/textbook.py has no line that begins with ${beginning}`);
+  return sourceLine.offset;
 }

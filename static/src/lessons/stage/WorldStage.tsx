@@ -45,13 +45,13 @@ function useStageMap(scene: ReadonlySignal<Scene>, still: boolean): ReadonlySign
     return { history, count: history.count };
   }, [plan]);
   const now = useSignal(first);
-  const wanted = plan.value;
+  const planned = plan.value;
   // Before the paint, so that a picture that is printed or stands still is never that of another scene.
   const step = (isTimeUp: () => boolean, inSteps: boolean): boolean => {
-    const history = historyOf(wanted);
-    const complete = history.advance(wanted, isTimeUp);
+    const history = historyOf(planned);
+    const complete = history.advance(planned, isTimeUp);
     const { history: before, count } = now.peek();
-    const target = wanted.poses.length;
+    const target = planned.poses.length;
     if (before !== history) {
       if (complete) now.value = { history, count: target };
       return complete;
@@ -64,7 +64,7 @@ function useStageMap(scene: ReadonlySignal<Scene>, still: boolean): ReadonlySign
   const atOnce = still || reducedMotion.value;
   useLayoutEffect(() => {
     if (atOnce) step(() => false, false);
-  }, [wanted, atOnce]);
+  }, [planned, atOnce]);
   useEffect(() => {
     if (atOnce) return;
     let frame = 0;
@@ -84,7 +84,7 @@ function useStageMap(scene: ReadonlySignal<Scene>, still: boolean): ReadonlySign
       cancelAnimationFrame(frame);
       clearTimeout(task);
     };
-  }, [wanted, atOnce]);
+  }, [planned, atOnce]);
   return useMemo(() => computed(() => shownOf(now.value.history, now.value.count, scene.value)), [now, scene]);
 }
 
@@ -239,10 +239,10 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
     world: (px, py) => [...at.world(px, py)],
   };
   // While the map of another scene is computed the picture stays, and with it what is said of it.
-  const said = useRef({ caption: "", task: "" });
-  if (!said.current.caption || shown.value.history === historyOf(planOf(now)))
-    said.current = { caption: now.caption(shown.value), task: now.task };
-  const { caption, task } = said.current;
+  const texts = useRef({ caption: "", task: "" });
+  if (!texts.current.caption || shown.value.history === historyOf(planOf(now)))
+    texts.current = { caption: now.caption(shown.value), task: now.task };
+  const { caption, task } = texts.current;
   return (
     <div class={`world-stage${still ? " still" : ""}`}>
       <div class="world-stage-box" ref={box}>
@@ -307,8 +307,8 @@ const pictures = new WeakMap<OccupancyGrid, Picture>();
 
 /** A map with one pixel for a cell, in the colours of now. */
 function pictureOf(map: OccupancyGrid, trinary: boolean): Picture {
-  const kept = pictures.get(map);
-  if (kept && kept.isDark === isDark.value && kept.trinary === trinary) return kept;
+  const cachedPicture = pictures.get(map);
+  if (cachedPicture && cachedPicture.isDark === isDark.value && cachedPicture.trinary === trinary) return cachedPicture;
   const { rows, cols } = map.geometry;
   const colours = palette(RANGE, mapColours());
   const image = new ImageData(cols, rows);

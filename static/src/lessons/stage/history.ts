@@ -80,15 +80,15 @@ export class MapHistory {
 }
 
 const KEPT = 5;
-const kept: MapHistory[] = [];
+const histories: MapHistory[] = [];
 
 /** The history of a plan: the one that is kept for these conditions, or a new one. The oldest are dropped. */
 export function historyOf(plan: Plan): MapHistory {
   const key = keyOf(plan);
-  const at = kept.findIndex((entry) => entry.key === key);
-  const history = kept[at] ?? new MapHistory(plan);
-  if (at >= 0) kept.splice(at, 1);
-  kept.push(history);
-  if (kept.length > KEPT) kept.shift();
+  const at = histories.findIndex((entry) => entry.key === key);
+  const history = histories[at] ?? new MapHistory(plan);
+  if (at >= 0) histories.splice(at, 1);
+  histories.push(history);
+  if (histories.length > KEPT) histories.shift();
   return history;
 }

@@ -27,14 +27,14 @@ const address = (id: string): string => `/lab.html${withLayout(new URLSearchPara
  * if `isPaused`, otherwise a new world. Throws if none can be opened; the address still describes the world.
  */
 export async function openSession(isPaused = false): Promise<Opened> {
-  const wanted = new URLSearchParams(location.search).get("session");
+  const requested = new URLSearchParams(location.search).get("session");
   const shown = await linkFromAddress();
   let notice: string | null = null;
-  if (wanted) {
+  if (requested) {
     try {
-      const { kind } = await ask("GET /api/sessions/{session_id}", { session_id: wanted });
-      if (kind === "log") location.replace(`/logs.html?session=${encodeURIComponent(wanted)}`);
-      return { id: wanted, notice: null, shown: null };
+      const { kind } = await ask("GET /api/sessions/{session_id}", { session_id: requested });
+      if (kind === "log") location.replace(`/logs.html?session=${encodeURIComponent(requested)}`);
+      return { id: requested, notice: null, shown: null };
     } catch (error) {
       if (!(error instanceof RequestError && error.status === 404)) throw error;
     }

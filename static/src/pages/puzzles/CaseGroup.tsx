@@ -8,6 +8,7 @@ import { readable } from "../../tools/parameters/parameters";
 import { Button } from "../../ui/Button";
 import { useAttempts } from "../../ui/browser/attempts";
 import { confirm } from "../../ui/Dialog";
+import { Failure } from "../../ui/Failure";
 import { Icon } from "../../ui/Icon";
 import { decimals, written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
@@ -136,7 +137,7 @@ export function CaseGroup(props: CaseProps) {
           </div>
         </>
       )}
-      {failure.value && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
       {!now.answer && (
         <Causes attempt={now} onAnswer={(cause) => void step(nameCause(session, cause))} key={now.wrong.join()} />
       )}

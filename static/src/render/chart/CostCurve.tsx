@@ -97,8 +97,8 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
             }}
             onDrag={(_, dy, fine) => {
               const { radius: at, at: cost } = before.current;
-              const wanted = cost - (dy * (fine ? 0.2 : 1) * ys.high) / (BOTTOM - TOP);
-              set("cost_scaling_factor", factorFor(wanted, at, inscribed));
+              const target = cost - (dy * (fine ? 0.2 : 1) * ys.high) / (BOTTOM - TOP);
+              set("cost_scaling_factor", factorFor(target, at, inscribed));
             }}
             onKey={(pressed, shift) => key("cost_scaling_factor", pressed, shift)}
           >

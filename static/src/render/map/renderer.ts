@@ -253,9 +253,9 @@ export class WebGLRenderer implements MapRenderer {
     const highlighted = layers.find((layer) => layer.hasHighlights)?.map?.cells ?? null;
     if (highlighted !== this.#highlighted) this.highlights.clear();
     this.#highlighted = highlighted;
-    const kept = new Set(layers.map((layer) => layer.map?.cells));
+    const shownCells = new Set(layers.map((layer) => layer.map?.cells));
     for (const [cells, textures] of made.textures) {
-      if (kept.has(cells)) continue;
+      if (shownCells.has(cells)) continue;
       textures.clear();
       made.textures.delete(cells);
     }

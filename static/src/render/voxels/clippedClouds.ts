@@ -32,7 +32,7 @@ const CORNER = /^(.*)\/clip_(low|high)$/;
 export function clipped({ points, colors }: Cloud, low: readonly number[], high: readonly number[]): Cloud {
   const [x0 = 0, y0 = 0, z0 = 0] = low;
   const [x1 = 0, y1 = 0, z1 = 0] = high;
-  const kept = new Float32Array(points.length);
+  const inBox = new Float32Array(points.length);
   const isOne = colors.length !== points.length;
   const keptColors = new Uint8Array(isOne ? 0 : colors.length);
   let end = 0;
@@ -42,12 +42,12 @@ export function clipped({ points, colors }: Cloud, low: readonly number[], high:
     const z = points[at + 2] as number;
     if (!(x >= x0 && x <= x1 && y >= y0 && y <= y1 && z >= z0 && z <= z1)) continue;
     for (let k = 0; k < 3; k++) {
-      kept[end + k] = points[at + k] as number;
+      inBox[end + k] = points[at + k] as number;
       if (!isOne) keptColors[end + k] = colors[at + k] as number;
     }
     end += 3;
   }
-  return { points: kept.slice(0, end), colors: isOne ? colors : keptColors.slice(0, end) };
+  return { points: inBox.slice(0, end), colors: isOne ? colors : keptColors.slice(0, end) };
 }
 
 /** Remembers the clouds of a scene and their clip boxes. */

@@ -89,9 +89,9 @@ export class PointBudget {
     const took = frame - this.#frame;
     const isNext = this.#hasMoved && this.#movedAt === this.#frame; // else there was a pause between both
     if (this.#isMoving && isNext) {
-      const wanted = this.#budget * Math.min(MORE, Math.max(LESS, TARGET_MS / took));
+      const budget = this.#budget * Math.min(MORE, Math.max(LESS, TARGET_MS / took));
       // No more than there are: the budget would grow without end while all are drawn.
-      this.#budget = Math.max(LEAST, Math.min(wanted, Math.max(this.#asked, FIRST)));
+      this.#budget = Math.max(LEAST, Math.min(budget, Math.max(this.#asked, FIRST)));
     }
     if (this.#hasMoved) this.#movedAt = frame;
     this.#isMoving = this.#isHeld || frame - this.#movedAt < REST_MS;

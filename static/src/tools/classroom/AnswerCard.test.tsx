@@ -5,7 +5,7 @@ import { act } from "preact/test-utils";
 import { afterEach, expect, test } from "vitest";
 import type { Classroom } from "../../store/classroom";
 import type { ClassQuestion } from "../../wire/protocol";
-import { AnswerCard } from "./AnswerCard";
+import { AnswerCard } from "./FollowerBar";
 
 const GUESS: ClassQuestion = {
   id: 1,

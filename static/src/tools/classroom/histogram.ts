@@ -38,6 +38,6 @@ export function barsOf({ counts, options, axis, right }: ClassQuestion): readonl
 export function spoken(question: ClassQuestion): string {
   const bars = barsOf(question).filter((bar) => bar.count > 0);
   if (!question.counts) return `${question.answered} answered.`;
-  const told = bars.map(({ label, count, isRight }) => `${label}: ${count}${isRight ? ", right" : ""}`).join("; ");
-  return `${question.answered} answered. ${told}`;
+  const sentences = bars.map(({ label, count, isRight }) => `${label}: ${count}${isRight ? ", right" : ""}`).join("; ");
+  return `${question.answered} answered. ${sentences}`;
 }

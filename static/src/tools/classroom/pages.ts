@@ -18,11 +18,11 @@ export function followPages(page: Page | null): void {
   let last = page;
   effect(() => {
     const room = classroom.value;
-    const wanted = room?.shown.value?.view.page;
-    if (!room?.isFollowing.value || !wanted || wanted === last) return;
-    last = wanted;
-    loadingPage.value = wanted;
-    location.replace(`/class/${room.code}/${wanted}.html`);
+    const target = room?.shown.value?.view.page;
+    if (!room?.isFollowing.value || !target || target === last) return;
+    last = target;
+    loadingPage.value = target;
+    location.replace(`/class/${room.code}/${target}.html`);
   });
 }
 

@@ -7,6 +7,7 @@ import { CostCurve as Curve } from "../../render/chart/CostCurve";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { zoomOf } from "../../ui/browser/useSize";
+import { OpenFiles } from "../../ui/files/OpenFiles";
 import { saveAs } from "../../ui/files/saveAs";
 import { type Range, written } from "../../ui/numbers";
 import { ROBOT_RADIUS } from "../../wire/constants";
@@ -183,7 +184,6 @@ export function CostmapGroup({ store, children }: CostmapGroupProps) {
 
 /** The parameters as a Nav2 parameter file, down and up. */
 function Nav2({ store }: { readonly store: Store }) {
-  const file = useRef<HTMLInputElement>(null);
   const answer = store.part("nav2").message;
   useSignalEffect(() => {
     const text = answer.value?.text ?? null;
@@ -191,10 +191,7 @@ function Nav2({ store }: { readonly store: Store }) {
     answer.value = null;
     saveAs("nav2_params.yaml", new Blob([text], { type: "application/yaml" }));
   });
-  const upload = async (): Promise<void> => {
-    const chosen = file.current?.files?.[0];
-    if (file.current) file.current.value = "";
-    if (!chosen) return;
+  const upload = async (chosen: File): Promise<void> => {
     if (chosen.size > MOST_BYTES) {
       store.notice.value = {
         kind: "error",
@@ -216,17 +213,9 @@ function Nav2({ store }: { readonly store: Store }) {
         <Button icon="download" onClick={() => store.send({ type: "nav2" })}>
           Download yaml
         </Button>
-        <Button icon="upload" onClick={() => file.current?.click()}>
+        <OpenFiles label="Nav2 parameter file" accept=".yaml,.yml" onFiles={([chosen]) => void upload(chosen)}>
           Load yaml
-        </Button>
-        <input
-          ref={file}
-          type="file"
-          accept=".yaml,.yml"
-          hidden
-          aria-label="Nav2 parameter file"
-          onChange={() => void upload()}
-        />
+        </OpenFiles>
       </div>
     </>
   );

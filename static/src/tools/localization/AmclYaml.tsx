@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { OpenFiles } from "../../ui/files/OpenFiles";
 import { saveAs } from "../../ui/files/saveAs";
 import { ask, fileOf } from "../../wire/ask";
 import type { AmclParameters } from "../../wire/http";
@@ -15,7 +16,6 @@ interface AmclYamlProps {
 
 /** The parameters of localization, read from and written to an AMCL yaml file. */
 export function AmclYaml({ values, onOpen }: AmclYamlProps) {
-  const input = useRef<HTMLInputElement>(null);
   const opened = useRef<Omit<AmclParameters, "values" | "notes">>({ layout: "nav2", others: {} });
   const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
   const doing = async (what: () => Promise<string | null>): Promise<void> => {
@@ -44,22 +44,9 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
     });
   return (
     <div class="localization-row">
-      <input
-        ref={input}
-        type="file"
-        hidden
-        accept=".yaml,.yml"
-        aria-label="Yaml of an AMCL"
-        onChange={(event) => {
-          const field = event.currentTarget;
-          const file = field.files?.[0];
-          field.value = "";
-          if (file) void open(file);
-        }}
-      />
-      <Button kind="quiet" icon="upload" onClick={() => input.current?.click()}>
+      <OpenFiles kind="quiet" label="Yaml of an AMCL" accept=".yaml,.yml" onFiles={([file]) => void open(file)}>
         Open an AMCL yaml
-      </Button>
+      </OpenFiles>
       <Button kind="quiet" icon="download" onClick={() => void save()}>
         Save as AMCL yaml
       </Button>

@@ -11,8 +11,8 @@ import {
   sampleOmni,
 } from "../../grid/motionModel";
 import { normal, seeded } from "../../grid/random";
+import { useDrag } from "../../ui/browser/useDrag";
 import { useDrawing } from "../../ui/browser/useDrawing";
-import { zoomOf } from "../../ui/browser/useSize";
 import { written } from "../../ui/numbers";
 import type { Pose, Values } from "../../wire/protocol";
 import "./localization.css";
@@ -41,7 +41,6 @@ export function MotionFan({ values }: { readonly values: Values }) {
   const box = useRef<HTMLDivElement>(null);
   const { width, scale: zoom } = useDrawing(box, 400).value;
   const end = useSignal<Pose>(FIRST);
-  const held = useRef<{ x: number; y: number; from: Pose } | null>(null);
   const normals = useMemo(() => {
     const random = seeded(5);
     return Array.from({ length: SAMPLES }, (): Normals => [normal(random), normal(random), normal(random)]);
@@ -68,28 +67,12 @@ export function MotionFan({ values }: { readonly values: Values }) {
     const far = (0.96 - START) * width;
     end.value = [inside(px, (-START * width + 8) / scale, far / scale), inside(py, -0.45 * METRES, 0.45 * METRES), a];
   };
-  const grabbed = (turns: boolean) => ({
-    onPointerDown: (event: PointerEvent & { currentTarget: SVGGElement }) => {
-      if (event.button !== 0) return;
-      event.preventDefault();
-      event.currentTarget.focus({ preventScroll: true });
-      event.currentTarget.setPointerCapture(event.pointerId);
-      held.current = { x: event.clientX, y: event.clientY, from: end.peek() };
-    },
-    onPointerMove: (event: PointerEvent & { currentTarget: SVGGElement }) => {
-      const now = held.current;
-      if (!now) return;
-      const zoom = zoomOf(event.currentTarget);
-      const [dx, dy] = [(event.clientX - now.x) / zoom, (event.clientY - now.y) / zoom];
-      const [fx, fy, a] = now.from;
-      if (turns) end.value = [fx, fy, Math.atan2(ARROW * Math.sin(a) - dy, ARROW * Math.cos(a) + dx)];
-      else place([fx + dx / scale, fy - dy / scale, a]);
-    },
-    onPointerUp: () => {
-      held.current = null;
-    },
-    onPointerCancel: () => {
-      held.current = null;
+  const begin = (): Pose => end.peek();
+  const shifting = useDrag({ begin, move: ([fx, fy, a], dx, dy) => place([fx + dx / scale, fy - dy / scale, a]) });
+  const turning = useDrag({
+    begin,
+    move: ([fx, fy, a], dx, dy) => {
+      end.value = [fx, fy, Math.atan2(ARROW * Math.sin(a) - dy, ARROW * Math.cos(a) + dx)];
     },
   });
   return (
@@ -107,7 +90,7 @@ export function MotionFan({ values }: { readonly values: Values }) {
           role="button"
           tabindex={0}
           aria-label={`End of the motion, ${written(ex, 2)} m ahead and ${written(ey, 2)} m to the left; arrow keys move it`}
-          {...grabbed(false)}
+          {...shifting}
           onKeyDown={(event) => {
             const step = KEYS[event.key];
             if (!step) return;
@@ -124,7 +107,7 @@ export function MotionFan({ values }: { readonly values: Values }) {
           role="button"
           tabindex={0}
           aria-label={`Heading at the end, ${degrees(yaw)} degrees; arrow keys turn it`}
-          {...grabbed(true)}
+          {...turning}
           onKeyDown={(event) => {
             const step = KEYS[event.key];
             if (!step) return;

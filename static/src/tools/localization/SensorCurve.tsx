@@ -142,7 +142,7 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
           const [x, y] = grip.at;
           const value = Number(values[grip.name]);
           const { low, high, step } = row(grip.name);
-          const said = `${grip.name} ${written(value, step < 0.01 ? 3 : 2)}`;
+          const text = `${grip.name} ${written(value, step < 0.01 ? 3 : 2)}`;
           const [dx, dy, anchor] = grip.text;
           return (
             <Handle
@@ -170,7 +170,7 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
             >
               <circle class="handle-mark" cx={x} cy={y} r={7} />
               <text x={x + dx} y={y + dy} text-anchor={anchor}>
-                {said}
+                {text}
               </text>
             </Handle>
           );

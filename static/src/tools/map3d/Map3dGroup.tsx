@@ -5,6 +5,7 @@ import { SurfaceProfile } from "../../lessons/tsdf/SurfaceProfile";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
+import { Failure } from "../../ui/Failure";
 import { plural, bytes as sizeOf } from "../../ui/numbers";
 import type { Map3dMessage, SurfaceMessage, Value } from "../../wire/protocol";
 import { CostmapOver } from "../costmap/CostmapOver";
@@ -233,7 +234,7 @@ function Difference({ store }: { readonly store: Store }) {
   const isElsewhere = store.world.value?.name !== LEVELS;
   return (
     <div class="map3d-difference">
-      {problem !== null && <p role="alert">{problem}</p>}
+      <Failure why={problem} />
       <p role="status">
         <span class="map3d-key" aria-hidden="true" />
         <b>{plural(cells, "cell")}</b> {cells === 1 ? "is an obstacle" : "are obstacles"} of the 3D map that the 2D map

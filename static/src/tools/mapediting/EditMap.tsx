@@ -14,8 +14,8 @@ export function EditMap({ session, name }: { readonly session: string; readonly 
     isBusy.value = true;
     await toastFailure(async () => {
       const body = { name: `Map of ${name}`.slice(0, 100) };
-      const kept = await ask("POST /api/sessions/{session_id}/kept-map", { session_id: session }, { body });
-      location.href = mapAddress(kept.id);
+      const stored = await ask("POST /api/sessions/{session_id}/kept-map", { session_id: session }, { body });
+      location.href = mapAddress(stored.id);
     });
     isBusy.value = false;
   };

@@ -26,10 +26,10 @@ export function paintMeasuring(store: Store, brush: Brush): void {
   if (tool === null) return;
   const { ctx, size, view, colours } = brush;
   const at = (point: Point): Point => toScreen(view, size, ...point);
-  const kept = measuringOf(store).onMap.peek();
+  const measured = measuringOf(store).onMap.peek();
   const pointer = store.probe.peek();
   const next = pointer && !measuringOf(store).isDone.peek() ? placeAt(store, pointer) : null;
-  const points = next ? [...kept, next] : kept;
+  const points = next ? [...measured, next] : measured;
   const isClosed = tool === "area" && points.length > 2;
   ctx.beginPath();
   for (const point of points) ctx.lineTo(...at(point));

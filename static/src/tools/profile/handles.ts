@@ -80,8 +80,8 @@ export function dragLevel(
   fine = false,
 ): Setting {
   const { name, range } = level(which, values, bounds);
-  const wanted = valueFor(which, evidence, values);
-  return { name, value: snap(wanted, finer(range, fine)) };
+  const target = valueFor(which, evidence, values);
+  return { name, value: snap(target, finer(range, fine)) };
 }
 
 /** Move an edge of the window to distance `s` from the sensor. The other edge follows, the reading does not move. */

@@ -110,8 +110,8 @@ export class ProfileView {
 
   // The axis must not grow while one of its own handles is dragged, or it would move away from the pointer.
   #followTotal(): void {
-    const wanted = Math.max(1.25 * this.values.value.range_max, 1);
-    if (this.held.value === null) this.total.value = wanted;
+    const leastTotal = Math.max(1.25 * this.values.value.range_max, 1);
+    if (this.held.value === null) this.total.value = leastTotal;
   }
 
   #aim(): void {

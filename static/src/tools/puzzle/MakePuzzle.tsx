@@ -15,7 +15,7 @@ export function MakePuzzle({ session }: { readonly session: string }) {
   const faults = useSignal<readonly NamedCause[] | null>(null);
   const fault = useSignal(AS_IT_IS.name);
   const address = useSignal<string | null>(null);
-  const said = useSignal("");
+  const status = useSignal("");
   const { isBusy, failure, attempt } = useAttempts();
   const open = (): Promise<void> =>
     attempt(async () => {
@@ -23,7 +23,7 @@ export function MakePuzzle({ session }: { readonly session: string }) {
     });
   const make = (): Promise<void> =>
     attempt(async () => {
-      said.value = "";
+      status.value = "";
       const made = await ask(
         "POST /api/sessions/{session_id}/puzzles",
         { session_id: session },
@@ -32,10 +32,10 @@ export function MakePuzzle({ session }: { readonly session: string }) {
       address.value = new URL(made.address, location.href).href;
       try {
         await navigator.clipboard.writeText(address.value);
-        said.value =
+        status.value =
           "Link copied. Whoever opens it solves the puzzle. It is on the page Puzzles, where it can be removed.";
       } catch {
-        said.value = "The puzzle is made. Copy its address.";
+        status.value = "The puzzle is made. Copy its address.";
       }
     });
   return (
@@ -73,7 +73,7 @@ export function MakePuzzle({ session }: { readonly session: string }) {
       )}
       <p class="quiet" role="status">
         {failure.value ||
-          said.value ||
+          status.value ||
           (faults.value === null && "A map with a hidden fault, for others to find and repair.")}
       </p>
     </section>

@@ -17,7 +17,7 @@ const TIMEOUT_MS = 60_000;
 /** Wait until the number of scans in the map changes; false when the server refuses, or after the timeout. */
 function indexChanged(store: Store): Promise<boolean> {
   const before = store.frame.peek()?.index;
-  const told = store.notice.peek();
+  const noticeBefore = store.notice.peek();
   return new Promise((resolve) => {
     const done = (result: boolean): void => {
       clearTimeout(timer);
@@ -30,7 +30,7 @@ function indexChanged(store: Store): Promise<boolean> {
     }, TIMEOUT_MS);
     const stop = effect(() => {
       if (store.frame.value?.index !== before) done(true);
-      else if (store.notice.value !== told && store.notice.value?.kind === "error") done(false);
+      else if (store.notice.value !== noticeBefore && store.notice.value?.kind === "error") done(false);
     });
   });
 }

@@ -259,8 +259,8 @@ const MAPS = [
 
 /** A parameter of the map of the explained cell. */
 function parameterOf(store: Store, name: string): Value | undefined {
-  const kept = store.explainedLayer.value === SECOND_MAP ? store.compared.value?.values[name] : undefined;
-  return kept ?? store.mapping.values.value[name];
+  const secondValue = store.explainedLayer.value === SECOND_MAP ? store.compared.value?.values[name] : undefined;
+  return secondValue ?? store.mapping.values.value[name];
 }
 
 const useHitWindow = (store: Store): ReadonlySignal<number> =>

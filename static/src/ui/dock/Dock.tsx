@@ -154,13 +154,13 @@ interface DockProps {
 
 export function Dock({ label, groups, open, isInert = false }: DockProps) {
   const id = useId();
-  const kept = useRef(new Set<string>());
+  const keptGroups = useRef(new Set<string>());
   const lastOf = useRef(new Map<string, string>());
   const sections = sectionsOf(groups);
   const current = groups.find((group) => group.id === open.value) ?? groups[0];
   const section = sections.find(({ groups: own }) => own.some((group) => group === current));
   if (!current || !section) return <div class="dock" />;
-  if (current.keeps) kept.current.add(current.id);
+  if (current.keeps) keptGroups.current.add(current.id);
   lastOf.current.set(section.id, current.id);
   const hasTabs = section.groups.length > 1;
   const tabOf = (group: string): string => `${id}-tab-${group}`;
@@ -223,7 +223,7 @@ export function Dock({ label, groups, open, isInert = false }: DockProps) {
             hidden={group !== current}
           >
             {group.purpose && group === current && <p class="dock-purpose">{group.purpose}</p>}
-            {(group === current || kept.current.has(group.id)) && group.content()}
+            {(group === current || keptGroups.current.has(group.id)) && group.content()}
           </div>
         ))}
       </div>

@@ -13,9 +13,9 @@ function ThemeToggle() {
       icon={dark ? "sun" : "moon"}
       label={dark ? "Light colours" : "Dark colours"}
       onClick={() => {
-        const wanted = dark ? "light" : "dark";
+        const chosen = dark ? "light" : "dark";
         const device = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
-        theme.value = wanted === device ? "system" : wanted;
+        theme.value = chosen === device ? "system" : chosen;
       }}
     />
   );

@@ -60,9 +60,9 @@ export function written({ arrangement, views, x, y }: Layout): string {
 export function read(text: string, kinds: readonly string[]): Layout | null {
   const [arrangement, list = "", ...shares] = text.split(":");
   const named = ARRANGEMENTS.find((known) => known === arrangement);
-  const wanted = list.split(",");
-  const others = kinds.filter((kind) => !wanted.includes(kind));
-  const views = wanted.flatMap((view) => (kinds.includes(view) ? [view] : others.splice(0, 1)));
+  const order = list.split(",");
+  const others = kinds.filter((kind) => !order.includes(kind));
+  const views = order.flatMap((view) => (kinds.includes(view) ? [view] : others.splice(0, 1)));
   const [x = Number.NaN, y = Number.NaN] = shares.map((share) => Number(share) / 100);
   const isWhole = named !== undefined && views.length === COUNTS[named] && new Set(views).size === views.length;
   if (!isWhole) return null;

@@ -18,7 +18,7 @@ from mapper.core.errors import ReadError
 from mapper.io.contents import fields, seeking
 from mapper.io.contents.downsampling import derivative, moving_average
 from mapper.io.contents.fields import field_series, fields_of, numbers_in, unit_of
-from mapper.io.contents.raw_message import raw_message
+from mapper.io.contents.message_tree import raw_message
 from mapper.io.contents.seeking import stated_in
 from mapper.io.logs.opening import parts_of
 from tests.mapper.io.contents.recorded_robot import T0, imu, robot

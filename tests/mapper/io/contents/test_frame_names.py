@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from mapper.io.contents import fields
-from mapper.io.contents.fields import fields_of
-from mapper.io.contents.frame_names import HEADED, MAX_FRAMES, MAX_NAME, frames_in, frames_of_type
+from mapper.io.contents.fields import HEADED, MAX_FRAMES, MAX_NAME, fields_of, frames_in, frames_of_type
 from mapper.io.contents.seeking import Stated
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.logs import recorded

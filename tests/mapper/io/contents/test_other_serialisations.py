@@ -19,9 +19,8 @@ from mapper.io.contents.definitions import MAX_BYTES, definitions_of
 from mapper.io.contents.fields import field_series, fields_of
 from mapper.io.contents.idl import definitions_in_idl
 from mapper.io.contents.inspection import inspect
-from mapper.io.contents.message_tree import tree_of
+from mapper.io.contents.message_tree import raw_message, tree_of, tree_of_json
 from mapper.io.contents.protobuf_tree import table_of, tree_of_protobuf
-from mapper.io.contents.raw_message import raw_message, tree_of_json
 from mapper.io.contents.tree_values import MAX_SHOWN, MAX_VALUES, SHOWN
 from tests.mapper.io.logs import recorded
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mapper.core.errors import ReadError
-from mapper.io.contents.raw_message import raw_message
+from mapper.io.contents.message_tree import raw_message
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.logs import recorded
 

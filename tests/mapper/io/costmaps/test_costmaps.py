@@ -14,8 +14,7 @@ from rosbags.highlevel import AnyReader
 from mapper.core.errors import MapperError, ReadError
 from mapper.costmap.files import save_costmap_mcap
 from mapper.grid import GridGeometry
-from mapper.io.costmaps import occupancy_of_costs, open_costmaps
-from mapper.io.costmaps.reading import costmap_message
+from mapper.io.costmaps import costmap_message, occupancy_of_costs, open_costmaps
 from mapper.io.export import ros2
 from mapper.io.logs.ros.message_fields import BadMessageError
 

@@ -22,7 +22,7 @@ from mapper.volume.surface.questions import first_surface, why_surface
 from mapper.volume.surface.replayed import ReplayedSurface
 from mapper.volume.surface.tsdf import CENTRE
 from server.scenes.chunk_glb import LIGHT
-from server.scenes.drawers.surface import surface_glb
+from server.scenes.drawers.chunks import surface_glb
 
 CAMERA = Intrinsics(80, 60, 70.0, 70.0, 39.5, 29.5)
 AHEAD = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])

@@ -13,8 +13,7 @@ from mapper.core.errors import ReadError
 from mapper.editing import EditedMap, parse_operation
 from mapper.editing.files import map_files
 from mapper.grid import GridGeometry
-from mapper.io.costmaps import RecordedCostmap
-from mapper.io.costmaps.reading import CostmapStream
+from mapper.io.costmaps import CostmapStream, RecordedCostmap
 from server.downloads import file_stem
 from server.jobs.leases import Leases
 from server.library.logs.records import LogNotFoundError

@@ -34,7 +34,7 @@ begun: list[LocalizeJob] = []
 def endless(job: LocalizeJob) -> LocalizeOutcome:
     """Go on until the files of the job are removed."""
     begun.append(job)
-    assert (read_reference_map(Path(job.given)).values == VALUES).all()
+    assert (read_reference_map(Path(job.reference_map)).values == VALUES).all()
     deadline = time.monotonic() + stand_ins.PATIENCE_S
     while Path(job.pack).exists() and time.monotonic() < deadline:
         time.sleep(0.01)

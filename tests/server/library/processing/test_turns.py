@@ -58,7 +58,7 @@ def inspections(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[]
 
     def inspect(visitor: str, address: str) -> Awaitable[Any]:
         record: Any = SimpleNamespace(id=visitor, name=visitor)
-        return lookups._found(visitor, record, visitor, address, lambda _: None)  # type: ignore[arg-type,return-value]
+        return lookups._look_up(visitor, record, visitor, address, lambda _: None)  # type: ignore[arg-type,return-value]
 
     return inspect
 

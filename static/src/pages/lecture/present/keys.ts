@@ -85,12 +85,12 @@ export function listenToKeys(target: Window, act: (act: Act) => void, isOn: () =
       if (event.key === "Tab") pointer = "tab";
       if (!isOn() || event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
       const focused = focusedOf(document.activeElement);
-      const wanted = actOf(event.key, event.shiftKey, focused);
-      if (!wanted) return;
+      const action = actOf(event.key, event.shiftKey, focused);
+      if (!action) return;
       event.preventDefault();
       event.stopImmediatePropagation();
-      if (wanted === "release") (document.activeElement as HTMLElement | null)?.blur();
-      else act(wanted);
+      if (action === "release") (document.activeElement as HTMLElement | null)?.blur();
+      else act(action);
     },
     options,
   );

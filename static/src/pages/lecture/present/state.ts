@@ -178,23 +178,23 @@ const KEPT = /^&kept=(\w+)/;
 /** Show the deck of an address. Rejects with a DeckError, and shows the same as before, if there is none. */
 async function readDeckOf(address: string): Promise<void> {
   const name = KEPT.exec(address)?.[1];
-  let found = WHOLE_LECTURE;
-  if (name) found = keptDeck(name);
-  else if (address) found = await readDeckLink(address.slice("&deck=".length));
+  let loaded = WHOLE_LECTURE;
+  if (name) loaded = keptDeck(name);
+  else if (address) loaded = await readDeckLink(address.slice("&deck=".length));
   keptAs = name;
   if (isPreview) deckInAddress = address;
-  else await keep(found);
-  deck.value = found;
+  else await keep(loaded);
+  deck.value = loaded;
 }
 
 /** Follow the address: take its deck, slide and step. Rejects with a DeckError, and keeps the deck, if it is damaged. */
 export async function readAddress(): Promise<void> {
   const [name = "", ...rest] = location.hash.slice(1).split("&");
-  const wanted = rest.map((option) => `&${option}`).find((option) => /^&(kept|deck)=/.test(option)) ?? "";
+  const deckOption = rest.map((option) => `&${option}`).find((option) => /^&(kept|deck)=/.test(option)) ?? "";
   let problem: unknown = null;
-  if (wanted !== deckInAddress && presenting.peek()) {
+  if (deckOption !== deckInAddress && presenting.peek()) {
     try {
-      await readDeckOf(wanted);
+      await readDeckOf(deckOption);
     } catch (error) {
       problem = error;
     }
@@ -210,7 +210,7 @@ export async function readAddress(): Promise<void> {
     place.value = endOf(slides.peek(), true);
   }
   if (problem) throw problem;
-  if (wanted && presenting.peek() && wanted !== deckInAddress) writeAddress();
+  if (deckOption && presenting.peek() && deckOption !== deckInAddress) writeAddress();
 }
 
 /** Start presenting at a section of the text, or end and write the section of the slide into the address. */

@@ -5,6 +5,7 @@ import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { SeparateMap } from "../../../tools/compare/SeparateMap";
 import { Button } from "../../../ui/Button";
+import { Failure } from "../../../ui/Failure";
 import type { ComparedMap } from "../../../wire/http";
 import { trajectoryLabel } from "../library/describeLog";
 import { compareWith, names } from "./sides";
@@ -50,7 +51,7 @@ export function OtherMap({ store, session, comparison }: OtherMapProps) {
           With the present settings
         </Button>
       </div>
-      {failure.value !== null && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
     </div>
   );
 }

@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { showAnswer } from "../../../ui/browser/attempts";
+import { Failure } from "../../../ui/Failure";
 import { written } from "../../../ui/numbers";
 import { SelectField } from "../../../ui/Select";
 import { addressOf, answerAt, ask } from "../../../wire/ask";
@@ -287,7 +288,7 @@ function Age({ store, session, edges }: FrameTreeProps & { readonly edges: reado
           name.value = value;
         }}
       />
-      {failure.value && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
       {answer.value && <Plot key={chosen} store={store} series={answer.value} plot="age" />}
     </>
   );
@@ -345,6 +346,8 @@ function edgeLabel(edge: FrameEdgeAnswer): string {
 
 /** The tree for screen readers. */
 function inWords({ edges, fixed }: FramesAnswer): string {
-  const said = edges.filter(({ used }) => used).map((edge) => `${edge.child} in ${edge.parent}, ${edgeLabel(edge)}`);
-  return `Fixed frame ${fixed}. ${said.join("; ")}.`;
+  const sentences = edges
+    .filter(({ used }) => used)
+    .map((edge) => `${edge.child} in ${edge.parent}, ${edgeLabel(edge)}`);
+  return `Fixed frame ${fixed}. ${sentences.join("; ")}.`;
 }

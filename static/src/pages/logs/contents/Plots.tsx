@@ -5,6 +5,7 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { showAnswer } from "../../../ui/browser/attempts";
+import { Failure } from "../../../ui/Failure";
 import { SelectField } from "../../../ui/Select";
 import { ask } from "../../../wire/ask";
 import type { PlottedTopic, SeriesAnswer } from "../../../wire/http";
@@ -69,7 +70,7 @@ function Topic({
           chosen.value = name;
         }}
       />
-      {failure.value && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
       {now === null && !failure.value && <p class="quiet">…</p>}
       {now !== null &&
         [...new Set(now.columns.map((column) => column.plot))].map((plot) => (

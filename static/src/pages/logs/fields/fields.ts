@@ -61,16 +61,16 @@ export function matching(
   most: number,
 ): readonly Pick<Chosen, "topic" | "field">[] {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
-  const found: Pick<Chosen, "topic" | "field">[] = [];
+  const matches: Pick<Chosen, "topic" | "field">[] = [];
   for (const { topic, fields } of topics) {
     for (const field of fields) {
       const name = `${topic} ${field}`.toLowerCase();
       if (!words.every((word) => name.includes(word))) continue;
-      found.push({ topic, field });
-      if (found.length === most) return found;
+      matches.push({ topic, field });
+      if (matches.length === most) return matches;
     }
   }
-  return found;
+  return matches;
 }
 
 /** A column with the gaps of its topic. */

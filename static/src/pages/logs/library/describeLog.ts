@@ -176,6 +176,6 @@ const HOW_TO_REPORT =
 /** Possible actions for a log that failed. */
 export function remedy(log: LogRecord): string {
   const code = log.error?.code ?? "";
-  const found = REMEDIES.find(([codes]) => codes.test(code))?.[1];
-  return [found, REPORTABLE.test(code) ? HOW_TO_REPORT : ""].filter(Boolean).join(" ");
+  const remedy = REMEDIES.find(([codes]) => codes.test(code))?.[1];
+  return [remedy, REPORTABLE.test(code) ? HOW_TO_REPORT : ""].filter(Boolean).join(" ");
 }

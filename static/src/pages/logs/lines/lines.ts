@@ -43,12 +43,12 @@ export const nodesOf = (lines: readonly Line[]): readonly string[] =>
 
 /** The lines of at least a level, of a node, that contain the text, ignoring case. */
 export function matching(lines: readonly Line[], least: number, node: string, text: string): readonly Line[] {
-  const wanted = text.trim().toLowerCase();
+  const searched = text.trim().toLowerCase();
   return lines.filter(
     ({ level, topic, name, text: own }) =>
       level >= least &&
       (node === "" || name === node) &&
-      (wanted === "" || `${topic} ${name} ${own}`.toLowerCase().includes(wanted)),
+      (searched === "" || `${topic} ${name} ${own}`.toLowerCase().includes(searched)),
   );
 }
 

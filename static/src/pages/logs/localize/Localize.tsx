@@ -1,7 +1,7 @@
 /** Localizes the robot of a log in a reference map and shows the uncertainty over time. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useId, useMemo, useRef } from "preact/hooks";
+import { useEffect, useId, useMemo } from "preact/hooks";
 import { momentText } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { AmclYaml } from "../../../tools/localization/AmclYaml";
@@ -11,6 +11,8 @@ import { SensorCurve } from "../../../tools/localization/SensorCurve";
 import { Button } from "../../../ui/Button";
 import { selected } from "../../../ui/bound";
 import { Choice } from "../../../ui/Choice";
+import { Failure } from "../../../ui/Failure";
+import { OpenFiles } from "../../../ui/files/OpenFiles";
 import { NumberField } from "../../../ui/NumberField";
 import { Panel } from "../../../ui/Panel";
 import { ProgressBar } from "../../../ui/ProgressBar";
@@ -273,11 +275,7 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
             `${now.scans} of ${store.frame.value?.count ?? 0} scans · ${now.n_particles.toLocaleString("en")} particles`
           }
         />
-        {localizing.failure.value !== null && (
-          <p class="failure" role="alert">
-            {localizing.failure.value}
-          </p>
-        )}
+        <Failure class="failure" why={localizing.failure.value} />
         {map && !isUnderWay && (
           <div class="actions">
             <Button
@@ -334,7 +332,6 @@ const SOURCES: readonly { readonly value: MapSource; readonly label: string }[] 
 ];
 
 function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
-  const input = useRef<HTMLInputElement>(null);
   const log = store.hello.value?.log;
   const chosen = useSignal<ChosenLog | null>(null);
   const names = (log?.trajectories ?? []).map((trajectory) => trajectory.name);
@@ -389,22 +386,14 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
       )}
       {source === "files" && (
         <div class="localize-own">
-          <input
-            ref={input}
-            type="file"
-            hidden
+          <OpenFiles
+            label="Map files"
             multiple
-            aria-label="Map files"
-            onChange={(event) => {
-              const field = event.currentTarget;
-              const files = [...(field.files ?? [])];
-              field.value = "";
-              if (files.length > 0) void localizing.chooseFiles(files);
-            }}
-          />
-          <Button icon="upload" disabled={isBusy} onClick={() => input.current?.click()}>
+            disabled={isBusy}
+            onFiles={(files) => void localizing.chooseFiles(files)}
+          >
             Choose map files
-          </Button>
+          </OpenFiles>
           <span class="quiet">A YAML file with its image, or a map of the CMU course.</span>
         </div>
       )}
@@ -424,12 +413,7 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   const job = localizing.job.value;
   if (job?.state === "cancelled")
     return <p role="status">Localization was cancelled. The poses are those from before.</p>;
-  if (job?.state === "failed")
-    return (
-      <p class="failure" role="alert">
-        {job.error?.message}
-      </p>
-    );
+  if (job?.state === "failed") return <Failure class="failure" why={job.error?.message} />;
   const result = job?.state === "done" ? job.result : null;
   if (!result) return null;
   const count = store.frame.value?.count ?? 0;

@@ -89,8 +89,8 @@ export class Localizing extends LogJob<LocalizationStatus> {
     const initial_pose = this.hasPose.peek() ? this.pose.peek() : null;
     this.history.value = null;
     this.store.underlay.value = GIVEN_MAP;
-    const wanted = { initial_pose, odometry, parameters: this.parameters.changed() };
-    return this.follow(() => localize(this.session, wanted));
+    const request = { initial_pose, odometry, parameters: this.parameters.changed() };
+    return this.follow(() => localize(this.session, request));
   }
 
   /** Show the map that was selected earlier. */

@@ -22,6 +22,7 @@ import { mapSurface } from "../../../tools/picture/mapSurface";
 import { Button } from "../../../ui/Button";
 import { useAttempts } from "../../../ui/browser/attempts";
 import { Dock } from "../../../ui/dock/Dock";
+import { Failure } from "../../../ui/Failure";
 import { LiveRegion } from "../../../ui/LiveRegion";
 import { Panel } from "../../../ui/Panel";
 import { ask } from "../../../wire/ask";
@@ -111,11 +112,7 @@ export function Saving({ store, session }: SavingProps) {
             </div>
           </div>
         )}
-        {failure.value !== null && (
-          <p class="failure" role="alert">
-            {failure.value}
-          </p>
-        )}
+        <Failure class="failure" why={failure.value} />
       </Panel>
       <Panel title="Download">
         <div class="stack-narrow">

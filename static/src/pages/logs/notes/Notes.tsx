@@ -6,6 +6,7 @@ import { FileButton } from "../../../tools/files/FileButton";
 import { measuringOf } from "../../../tools/measure/measuring";
 import { areaOf } from "../../../tools/measure/model";
 import { Button } from "../../../ui/Button";
+import { Failure } from "../../../ui/Failure";
 import { written } from "../../../ui/numbers";
 import { ToggleOf } from "../../../ui/Toggle";
 import type { NoteAnswer } from "../../../wire/http";
@@ -34,7 +35,7 @@ export function Notes({ store, session, state, isGuest }: NotesProps) {
   return (
     <div class="notes">
       {!isGuest && <Editor key="new" store={store} state={state} />}
-      {state.failure.value && <p role="alert">{state.failure.value}</p>}
+      <Failure why={state.failure.value} />
       {notes?.length === 0 && <p class="quiet">There are no notes on this log yet.</p>}
       {notes !== null && notes.length > 0 && (
         <div class="actions">
@@ -171,9 +172,9 @@ function Editor({ store, state, note, onDone }: EditorProps) {
     (!hasArea.value || pin.outline !== null);
   const save = async (): Promise<void> => {
     busy.value = true;
-    const kept = text.peek();
-    if (await state.keep(kept.trim(), pin, note?.id)) {
-      if (!note && text.peek() === kept) text.value = ""; // otherwise it is already the text of the next note
+    const sent = text.peek();
+    if (await state.keep(sent.trim(), pin, note?.id)) {
+      if (!note && text.peek() === sent) text.value = ""; // else it is the text of the next note already
       onDone?.();
     }
     busy.value = false;

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { SeriesColumn } from "../../../wire/http";
-import { motionOf } from "./Motion";
+import { motionOf } from "./Overview";
 
 const column = (label: string, values: (number | null)[], unit = "m/s"): SeriesColumn => ({
   label,

@@ -1,16 +1,21 @@
-import type { Signal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useContext, useMemo } from "preact/hooks";
+import { shownStart } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { written } from "../../../ui/numbers";
 import { timeText } from "../../../ui/timeText";
+import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import type { LogInfo, Trajectory } from "../../../wire/protocol";
+import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
 import { ContentsContext } from "../contents/useContents";
 import { Doctor, type DoctorState } from "../Doctor";
 import { trajectoryLabel } from "../library/describeLog";
+import { StripRow } from "../plots/StripRow";
+import { nearest, type Shown, scanAtPlace, shownRange } from "../plots/strips";
+import { useMoments, useScanSeries } from "../plots/useScanSeries";
 import { UtcSwitch } from "../time/Moment";
-import { Motion } from "./Motion";
 import "../viewer.css";
 
 /** The length of the path through the poses of a trajectory on this page, which may be a part of them, m. */
@@ -103,4 +108,69 @@ export function Overview({ store, session, doctor, onCorrectPoses, zoom, childre
       )}
     </div>
   );
+}
+
+/** The quantities shown, each the first that has values: a log without times has no rates. */
+const WANTED: readonly (readonly string[])[] = [["speed", "pose step"], ["turn rate", "turn"], ["returns"]];
+
+interface Plotted {
+  readonly column: SeriesColumn;
+  readonly range: Shown;
+}
+
+/** The plots with differing values. */
+export function motionOf(columns: readonly SeriesColumn[]): readonly Plotted[] {
+  return WANTED.flatMap((labels) => {
+    const found = labels
+      .map((wanted) => columns.find(({ label }) => label === wanted))
+      .find((column) => column && new Set(column.values.filter((value) => value !== null)).size > 1);
+    const range = found && shownRange(found.values);
+    return range ? [{ column: found, range }] : [];
+  });
+}
+
+interface MotionProps {
+  readonly store: Store;
+  readonly session: string;
+  /** The interval that all plots show. */
+  readonly zoom: Signal<Span | null>;
+}
+
+/** The motion of the robot and the returns of its sensor over the time of the log. */
+export function Motion({ store, session, zoom }: MotionProps) {
+  const { series, whole } = useScanSeries(store, session, zoom);
+  const { now, selected } = useMoments(store, series);
+  const pointed = useSignal<number | null>(null);
+  const found = series.value;
+  const shown = useMemo(() => motionOf(found?.columns ?? []), [found]);
+  if (!found || shown.length === 0) return null;
+  const at = pointed.value ?? now.value;
+  const row = at === null || isInGap(found.gaps, at) ? -1 : nearest(found.times, at);
+  return (
+    <section class="motion" aria-label="Motion">
+      <h2 class="doctor-title">{found.axis === "time" ? "Over time" : "From scan to scan"}</h2>
+      {shown.map(({ column, range }, n) => (
+        <StripRow
+          key={column.label}
+          value={column.values[row]}
+          series={found}
+          column={column}
+          shown={range}
+          span={zoom.value ?? whole.value}
+          zoom={zoom}
+          pointed={pointed}
+          now={now}
+          selected={selected}
+          hasAxis={n === shown.length - 1}
+          start={shownStart(store)}
+          onGo={(place) => store.goTo(scanOf(store, found, place))}
+        />
+      ))}
+    </section>
+  );
+}
+
+function scanOf(store: Store, { axis }: ScanSeries, place: number): number {
+  const trajectory = store.trajectory.peek();
+  return trajectory ? scanAtPlace(axis, trajectory, place, store.frame.peek()?.count ?? 0) : 0;
 }

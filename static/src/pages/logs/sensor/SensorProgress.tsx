@@ -1,4 +1,5 @@
 import { Button } from "../../../ui/Button";
+import { Failure } from "../../../ui/Failure";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { progressText } from "../../../ui/Working";
 import type { SensorState } from "./useSensor";
@@ -26,7 +27,7 @@ export function SensorProgress({ sensor }: { readonly sensor: SensorState }) {
           </>
         )}
       </div>
-      {failure.value && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
     </div>
   );
 }

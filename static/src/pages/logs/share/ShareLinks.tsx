@@ -5,6 +5,7 @@ import type { SharedView } from "../../../render/view";
 import { Button } from "../../../ui/Button";
 import { useAttempts } from "../../../ui/browser/attempts";
 import { confirm } from "../../../ui/Dialog";
+import { Failure } from "../../../ui/Failure";
 import { Panel } from "../../../ui/Panel";
 import { described, type Link, linksOf, makeLink, revokeLink, type Shown } from "./links";
 import "./share.css";
@@ -43,16 +44,16 @@ const made = ({ created_s }: Link): string =>
 /** Creates links to this view, and lists and revokes the visitor's own. */
 export function ShareLinks({ session, sharedView, shown, unit = "scan", text, children }: ShareLinksProps) {
   const links = useSignal<readonly Link[] | null>(null);
-  const said = useSignal("");
+  const status = useSignal("");
   const { isBusy, failure, attempt: attempted } = useAttempts();
   const copy = async (address: string, words: string): Promise<void> => {
-    said.value = await copied(address, words);
+    status.value = await copied(address, words);
   };
   const refresh = async (): Promise<void> => {
     links.value = await linksOf(session);
   };
   const attempt = (work: () => Promise<void>): Promise<void> => {
-    said.value = "";
+    status.value = "";
     return attempted(work);
   };
   const make = (): Promise<void> =>
@@ -89,9 +90,9 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
         </div>
         {children}
         <p role="status" class="quiet">
-          {said.value}
+          {status.value}
         </p>
-        {failure.value && <p role="alert">{failure.value}</p>}
+        <Failure why={failure.value} />
         {links.value && links.value.length > 0 && (
           <section aria-label={OWN_LINKS[unit]}>
             <h3>{OWN_LINKS[unit]}</h3>

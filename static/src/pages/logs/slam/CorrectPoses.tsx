@@ -1,10 +1,12 @@
 /** Corrects the poses of a log with SLAM, and shows and edits the resulting pose graph. */
 
 import { useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
+import { Failure } from "../../../ui/Failure";
+import { OpenFiles } from "../../../ui/files/OpenFiles";
 import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import type { LogEvent } from "../../../wire/http";
@@ -56,7 +58,6 @@ export function rowsOf(score: PoseScore): readonly Row[] {
 }
 
 export function Score({ store, session }: { readonly store: Store; readonly session: string }) {
-  const input = useRef<HTMLInputElement>(null);
   const file = useSignal<File | null>(null);
   const score = useSignal<PoseScore | null>(null);
   const failure = useSignal<string | null>(null);
@@ -91,27 +92,19 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
           A file of relations states measured motions between places of a log (Kümmerle et al. 2009). The score is how
           far the poses are from them on average.
         </p>
-        <input
-          ref={input}
-          type="file"
-          hidden
-          aria-label="File of relations"
-          onChange={(event) => {
-            file.value = event.currentTarget.files?.[0] ?? null;
-            event.currentTarget.value = "";
-          }}
-        />
         <div class="actions">
-          <Button icon="upload" disabled={isBusy.value} onClick={() => input.current?.click()}>
+          <OpenFiles
+            label="File of relations"
+            disabled={isBusy.value}
+            onFiles={([relations]) => {
+              file.value = relations;
+            }}
+          >
             {chosen ? "Another file of relations" : "Choose a file of relations"}
-          </Button>
+          </OpenFiles>
         </div>
         {isBusy.value && <p role="status">Scoring {trajectoryLabel(trajectory ?? "")} …</p>}
-        {failure.value !== null && (
-          <p class="failure" role="alert">
-            {failure.value}
-          </p>
-        )}
+        <Failure class="failure" why={failure.value} />
         {score.value && !isBusy.value && <Table score={score.value} />}
       </div>
     </Panel>
@@ -212,11 +205,7 @@ export function CorrectPoses({ store, session, correction, comparison, doctor, i
               )}
             />
             {job && !isUnderWay && <Outcome job={job} store={store} events={eventsOf(doctor)} />}
-            {correction.failure.value !== null && (
-              <p class="failure" role="alert">
-                {correction.failure.value}
-              </p>
-            )}
+            <Failure class="failure" why={correction.failure.value} />
             {!isUnderWay && <ParameterDetails parameters={correction.parameters} name="SLAM" titles={TITLES} />}
             {!isUnderWay && (
               <div class="actions">
@@ -272,12 +261,7 @@ interface OutcomeProps {
 /** The result of a job: figures of the map, and motion that the wheels did not measure. */
 export function Outcome({ job, store, events }: OutcomeProps) {
   if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;
-  if (job.state === "failed")
-    return (
-      <p class="failure" role="alert">
-        {job.error?.message}
-      </p>
-    );
+  if (job.state === "failed") return <Failure class="failure" why={job.error?.message} />;
   const { result } = job;
   if (job.state !== "done" || !result) return null;
   return (
@@ -370,11 +354,7 @@ function Results({ store, session, job, comparison, correction }: ResultsProps) 
       <Button kind="quiet" onClick={() => store.send({ type: "trajectory", name: before })}>
         Show {trajectoryLabel(before)}
       </Button>
-      {failure.value !== null && (
-        <p class="failure" role="alert">
-          {failure.value}
-        </p>
-      )}
+      <Failure class="failure" why={failure.value} />
     </>
   );
 }

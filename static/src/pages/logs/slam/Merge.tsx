@@ -5,6 +5,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
+import { Failure } from "../../../ui/Failure";
 import { Panel } from "../../../ui/Panel";
 import { compareWith } from "../compare/sides";
 import { JobProgress } from "../jobs/JobProgress";
@@ -100,11 +101,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
           </p>
         )}
         {now?.state === "cancelled" && <p role="status">Merging was cancelled. Both logs are as before.</p>}
-        {(merging.failure.value ?? now?.error?.message) && (
-          <p class="failure" role="alert">
-            {merging.failure.value ?? now?.error?.message}
-          </p>
-        )}
+        <Failure class="failure" why={merging.failure.value ?? now?.error?.message} />
       </div>
     </Panel>
   );

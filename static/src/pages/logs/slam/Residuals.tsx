@@ -4,6 +4,7 @@ import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { showAnswer } from "../../../ui/browser/attempts";
+import { Failure } from "../../../ui/Failure";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { ask } from "../../../wire/ask";
 import type { TrajectoryErrors } from "../../../wire/http";
@@ -105,7 +106,7 @@ function OfPaths({ store, session }: ResidualsProps) {
       <p>
         <strong>{trajectoryLabel(estimate)}</strong> against {trajectoryLabel(reference)}, over 1 m
       </p>
-      {failure.value && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
       {series?.columns.map(({ plot }) => (
         <Plot key={plot} store={store} series={series} plot={plot} />
       ))}

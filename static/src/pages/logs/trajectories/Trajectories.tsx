@@ -1,10 +1,11 @@
 import { type Signal, useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
-import { Button } from "../../../ui/Button";
 import { selected } from "../../../ui/bound";
 import { showAnswer } from "../../../ui/browser/attempts";
 import { Choice } from "../../../ui/Choice";
+import { Failure } from "../../../ui/Failure";
+import { OpenFiles } from "../../../ui/files/OpenFiles";
 import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import { SelectField } from "../../../ui/Select";
@@ -19,13 +20,12 @@ import "./trajectories.css";
 
 /** A TUM file that is added to the log as a trajectory, by a button or dropped here. */
 function AddTrajectory({ session }: { readonly session: string }) {
-  const input = useRef<HTMLInputElement>(null);
   const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
   const busy = useSignal(false);
   const over = useSignal(false);
-  const add = async (files: FileList | null | undefined): Promise<void> => {
+  const add = async (files: Iterable<File>): Promise<void> => {
     busy.value = true;
-    for (const file of files ?? []) {
+    for (const file of files) {
       try {
         said.value = { text: `${await addTrajectory(session, file)} was added.`, isError: false };
       } catch (error) {
@@ -48,25 +48,12 @@ function AddTrajectory({ session }: { readonly session: string }) {
       onDrop={(event) => {
         event.preventDefault();
         over.value = false;
-        void add(event.dataTransfer?.files);
+        void add(event.dataTransfer?.files ?? []);
       }}
     >
-      <input
-        ref={input}
-        type="file"
-        hidden
-        multiple
-        aria-label="TUM files"
-        onChange={(event) => {
-          const chosen = event.currentTarget;
-          void add(chosen.files).then(() => {
-            chosen.value = "";
-          });
-        }}
-      />
-      <Button icon="upload" disabled={busy.value} onClick={() => input.current?.click()}>
+      <OpenFiles label="TUM files" multiple disabled={busy.value} onFiles={(files) => void add(files)}>
         Add a TUM file
-      </Button>
+      </OpenFiles>
       <span class="quiet">or drop it here to add a trajectory to this log.</span>
       {said.value && <p role={said.value.isError ? "alert" : "status"}>{said.value.text}</p>}
     </section>
@@ -159,7 +146,7 @@ function Errors({
       {pathOf(reference.value) === pathOf(estimate.value) && (
         <p class="quiet">These two are the same path, stated twice.</p>
       )}
-      {failure.value && <p role="alert">{failure.value}</p>}
+      <Failure why={failure.value} />
       {!comparison && !failure.value && <p class="quiet">…</p>}
       {comparison && !failure.value && (
         <>

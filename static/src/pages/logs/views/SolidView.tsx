@@ -86,9 +86,9 @@ function CloudStage({ session, main, solid }: CloudStageProps) {
       stop();
     };
   }, [connection]);
-  const wanted = useComputed(() => cloudsAt(store, main));
+  const scan = useComputed(() => cloudsAt(store, main));
   useSignalEffect(() => {
-    const index = wanted.value;
+    const index = scan.value;
     if (index === null) return;
     store.send({ type: "pause" });
     store.sendSoon({ type: "seek", index });

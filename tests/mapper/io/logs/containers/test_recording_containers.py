@@ -16,7 +16,7 @@ from rosbags.rosbag2 import StoragePlugin
 
 from mapper.core.errors import ReadError
 from mapper.io.clouds import open_clouds
-from mapper.io.contents.raw_message import raw_message
+from mapper.io.contents.message_tree import raw_message
 from mapper.io.logs import is_log, log_files, open_log
 from mapper.io.logs.containers.kept_copies import KeptCopies
 from tests.mapper.io.logs import recorded

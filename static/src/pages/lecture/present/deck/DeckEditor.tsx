@@ -1,6 +1,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../../ui/Button";
+import { OpenFiles } from "../../../../ui/files/OpenFiles";
 import { saveAs } from "../../../../ui/files/saveAs";
 import { Icon } from "../../../../ui/Icon";
 import { toast } from "../../../../ui/Toast";
@@ -357,7 +358,6 @@ async function copyLink(of: Deck): Promise<void> {
 export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const body = useRef<HTMLDivElement>(null);
-  const file = useRef<HTMLInputElement>(null);
   const problem = useSignal("");
   useEffect(() => dialog.current?.showModal(), []);
   const { title } = deck.value;
@@ -365,8 +365,7 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
     await change([...deck.peek().slides, slide]);
     requestAnimationFrame(() => body.current?.scrollTo({ top: body.current.scrollHeight }));
   };
-  const load = async (chosen: File | undefined): Promise<void> => {
-    if (!chosen) return;
+  const load = async (chosen: File): Promise<void> => {
     problem.value = "";
     try {
       await takeDeck(readDeckFile(await chosen.text()));
@@ -414,27 +413,15 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
         <Button icon="download" onClick={() => save(deck.peek())}>
           Save as file
         </Button>
-        <Button icon="upload" onClick={() => file.current?.click()}>
+        <OpenFiles label="File of a deck" accept="application/json,.json" onFiles={([chosen]) => void load(chosen)}>
           Load file
-        </Button>
+        </OpenFiles>
         <Button icon="restart" disabled={deck.value === WHOLE_LECTURE} onClick={() => void takeDeck(WHOLE_LECTURE)}>
           Whole lecture
         </Button>
         <Button icon="slides" disabled={deck.value === SHORT_LECTURE} onClick={() => void takeDeck(SHORT_LECTURE)}>
           45 minutes
         </Button>
-        <input
-          ref={file}
-          class="visually-hidden"
-          type="file"
-          accept="application/json,.json"
-          tabIndex={-1}
-          aria-label="File of a deck"
-          onChange={({ currentTarget }) => {
-            void load(currentTarget.files?.[0]);
-            currentTarget.value = "";
-          }}
-        />
       </div>
     </dialog>
   );

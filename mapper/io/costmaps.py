@@ -1,6 +1,7 @@
-"""Reading of nav2_msgs/Costmap messages from a recording.
+"""Costmaps of recordings: the messages nav2_msgs/Costmap read, and written to MCAP beside nav_msgs/OccupancyGrid.
 
-Source: nav2_msgs, Costmap.msg and CostmapMetaData.msg.
+Sources: nav2_msgs, Costmap.msg and CostmapMetaData.msg; nav2_costmap_2d, costmap_2d_publisher.cpp (the costs of an
+OccupancyGrid).
 """
 
 from __future__ import annotations
@@ -8,17 +9,21 @@ from __future__ import annotations
 import math
 import os
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
+from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
-from mapper.core.array_types import UInt8Array
+from mapper.core.array_types import Int8Array, UInt8Array
 from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid.occupancy_grid import GridGeometry
+from mapper.io.export import ros2
+from mapper.io.export.topics import Topics
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.containers.container import Container
@@ -36,9 +41,9 @@ MAX_NAME = 200  #: characters
 
 @dataclass(frozen=True, slots=True)
 class RecordedCostmap:
-    """One message: its costs (rows, cols) uint8, row 0 at the smallest y, and the geometry of its cells.
+    """One message: its costs (rows, cols) uint8, row 0 at the smallest y, and where its cells are.
 
-    ``stamp_ns`` is its header's stamp, ``received_ns`` the recording time. ``layer`` is the layer of its costs.
+    ``stamp_ns`` is that of its header, ``received_ns`` when it was recorded. ``layer`` is which layer its costs are of.
     """
 
     stamp_ns: int
@@ -62,7 +67,7 @@ class KeptCostmap:
 
 
 class CostmapStream(Sequence[RecordedCostmap]):
-    """The costmaps of one topic in recording order; costs are decompressed on access."""
+    """The costmaps of one topic, in the order in which they were recorded; costs are unpacked when one is taken."""
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
@@ -71,15 +76,15 @@ class CostmapStream(Sequence[RecordedCostmap]):
 
     @property
     def kept(self) -> Sequence[KeptCostmap]:
-        """All costmaps, compressed."""
+        """All of them, compressed."""
         return tuple(self._kept)
 
     def __len__(self) -> int:
-        """Return the number of costmaps."""
+        """Return how many there are."""
         return len(self._kept)
 
     def __getitem__(self, index):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN204 - of a sequence
-        """Return one costmap, or a list for a slice."""
+        """Return one, or a list of those of a slice."""
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
         costmap = self._kept[index]
@@ -89,26 +94,26 @@ class CostmapStream(Sequence[RecordedCostmap]):
         )
 
     def __iter__(self) -> Iterator[RecordedCostmap]:
-        """Yield the costmaps in order."""
+        """Yield them one after the other."""
         return (self[k] for k in range(len(self)))
 
     @property
     def received_ns(self) -> NDArray[np.int64]:
-        """Recording time of each (n,)."""
+        """Time at which each was recorded (n,)."""
         return np.array([costmap.received_ns for costmap in self._kept], dtype=np.int64)
 
     @property
     def geometries(self) -> list[GridGeometry]:
-        """The geometry of each."""
+        """The cells of each."""
         return [costmap.geometry for costmap in self._kept]
 
     @property
     def frames(self) -> list[str]:
-        """The distinct frame names."""
+        """The names of their frames, each once."""
         return sorted({costmap.frame for costmap in self._kept})
 
     def add(self, costmap: RecordedCostmap) -> int:
-        """Add a costmap; return its size in bytes."""
+        """Keep one; return the bytes that it takes."""
         packed = zlib.compress(costmap.costs.tobytes(), 1)
         self.keep(
             KeptCostmap(costmap.stamp_ns, costmap.received_ns, costmap.frame, costmap.layer, costmap.geometry, packed)
@@ -116,14 +121,14 @@ class CostmapStream(Sequence[RecordedCostmap]):
         return len(packed)
 
     def keep(self, costmap: KeptCostmap) -> None:
-        """Add a compressed costmap."""
+        """Keep one that is compressed."""
         self._kept.append(costmap)
 
 
 def costmap_message(
     data: bytes, received_ns: int = 0, *, cdr: bool, limits: Limits = DEFAULT_LIMITS
 ) -> RecordedCostmap:
-    """Return the costmap in a serialised message. Raises :class:`BadMessageError` with the reason."""
+    """Return the costmap in one serialised message. Raises :class:`BadMessageError` and says why."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     fields.unpack("4i", 4)  # map_load_time, update_time
@@ -141,7 +146,7 @@ def costmap_message(
     qx, qy, qz, qw = (part / norm for part in turn)
     if abs(qx) > 1e-3 or abs(qy) > 1e-3:
         raise BadMessageError("its origin is tilted")
-    # As float32, 0.05 is 0.0500000007; the intended resolution has few digits.
+    # A float32 says 0.05 as 0.0500000007: the resolution that was meant has few digits.
     try:
         geometry = GridGeometry(float(f"{resolution:.6g}"), rows, cols, (x, y, 2.0 * math.atan2(qz, qw)), limits)
     except (ConfigError, LimitError) as error:
@@ -153,7 +158,7 @@ def costmap_message(
 
 
 class _Costmaps(MessageSink):
-    """Collects the costmaps of a recording, and nothing else."""
+    """Takes the costmaps of a recording, and nothing else."""
 
     def __init__(self, limits: Limits) -> None:
         self.notes = []
@@ -215,8 +220,8 @@ def open_costmaps(
 ) -> dict[str, CostmapStream]:
     """Return the costmaps of the recording at ``path`` by topic.
 
-    Unreadable messages are counted in ``bad`` of their stream. Raises :class:`ReadError` for a file that is not a
-    recording or has no readable costmap, :class:`LimitError`, and the errors of :func:`mapper.io.logs.open_log`.
+    Messages that cannot be read are counted in ``bad`` of their stream. Raises :class:`ReadError` for a file that is no
+    recording or has no costmap that can be read, :class:`LimitError`, and as :func:`mapper.io.logs.open_log`.
     """
     files, kind = parts_of(Path(path), limits)
     sink = _Costmaps(limits)
@@ -229,3 +234,34 @@ def open_costmaps(
         why = f": {sink.reason}" if sink.reason else ""
         raise ReadError("costmaps.none", f"The file holds no costmaps ({TYPE} in a bag or an MCAP){why}.")
     return streams
+
+
+def occupancy_of_costs(costs: UInt8Array) -> Int8Array:
+    """Convert costs to nav_msgs/OccupancyGrid values: 0 free, 1 … 98, 99 inscribed, 100 lethal, −1 unknown."""
+    table = np.zeros(256, dtype=np.int8)
+    table[1:253] = 1 + 97 * np.arange(252) // 251
+    table[253], table[254], table[255] = 99, 100, -1
+    return table[costs]
+
+
+def write_costmaps(file: IO[bytes], costmaps: Iterable[RecordedCostmap], topic: str = "/costmap") -> int:
+    """Write each costmap to ``topic``_raw as nav2_msgs/Costmap and to ``topic`` as OccupancyGrid, named as in Nav2.
+
+    Return the number written. Raises :class:`ConfigError` for a time before 0 or beyond 32 bits of seconds.
+    """
+    writer = Writer(file, compression=CompressionType.ZSTD)
+    writer.start("ros2", "gridbloom")
+    topics = Topics(writer, frozenset({topic, f"{topic}_raw"}))
+    n = 0
+    for costmap in costmaps:
+        stamp, geometry = costmap.stamp_ns, costmap.geometry
+        if not 0 <= stamp <= ros2.LAST_STAMP_NS:
+            raise ConfigError("costmap.stamp", f"A costmap’s time must be 0 … 2^31 s, not {stamp} ns.")
+        message = ros2.costmap(stamp, costmap.frame, costmap.layer, geometry.resolution, geometry.origin, costmap.costs)
+        topics.send(f"{topic}_raw", "nav2_msgs/msg/Costmap", stamp, message)
+        values = occupancy_of_costs(costmap.costs)
+        message = ros2.occupancy_grid(stamp, costmap.frame, geometry.resolution, geometry.origin, values)
+        topics.send(topic, "nav_msgs/msg/OccupancyGrid", stamp, message)
+        n += 1
+    writer.finish()  # type: ignore[no-untyped-call]
+    return n

@@ -1,7 +1,7 @@
-"""Moments of patches and their least-squares planes; :mod:`mapper.terrain.textbook` is the same in plain NumPy.
+"""Moments and planes of patches, and the points that agree on a plane; in NumPy in :mod:`mapper.terrain.textbook`.
 
-Moments (rows, cols, 10) float64 are the entries of P in the order n, x, y, z, xx, xy, yy, xz, yz, zz, about the patch's
-centre. Planes (rows, cols, 6) float64 are a, b, c, mean height, roughness, slope; NaN if there is none.
+Moments (rows, cols, 10) float64 are the entries of P in the order n, x, y, z, xx, xy, yy, xz, yz, zz, about the
+patch's centre. Planes (rows, cols, 6) float64 are a, b, c, mean height, roughness, slope; NaN where there is none.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array
+from mapper.core.array_types import BoolArray, Float64Array, Int64Array
 from mapper.core.jit import jit
 
 FLATNESS = 1e-6
@@ -19,11 +19,11 @@ _BATCH = 128  # points
 
 @jit
 def add_points(points: Float64Array, corner: Float64Array, size: float, out: Float64Array) -> None:
-    """Add points (n, 3) to the moments of their patches. Heights are above the corner; points outside are ignored.
+    """Add points (n, 3) to the moments of their patches. Heights are above the corner; points outside are left out.
 
-    The points are summed in order. Each batch of :data:`_BATCH` points is processed twice: the first loop only reads
-    one number of each patch, so that the memory of many patches is fetched concurrently. Array indices are unsigned
-    because numba checks signed ones for negative values.
+    The order of the sums is that of the points. Each :data:`_BATCH` of points is gone through twice: the first loop
+    only reads a number of each patch, so that the memory of many patches is fetched at the same time. Indices of arrays
+    are unsigned because numba tests signed ones for being negative.
     """
     rows, cols, _ = out.shape
     flat = out.reshape(rows * cols, 10)
@@ -61,10 +61,9 @@ def add_points(points: Float64Array, corner: Float64Array, size: float, out: Flo
 
 @jit
 def sum_areas(moments: Float64Array, size: float, out: Float64Array) -> None:
-    """Write the summed-area table (rows + 1, cols + 1, 10): entry (r, c) is the sum of all patches with row < r, column
-    < c.
+    """Write the summed-area table (rows + 1, cols + 1, 10): entry (r, c) has all patches before row r and column c.
 
-    Its moments are about the centre of the grid.
+    Its moments are about the middle of the grid.
     """
     rows, cols, _ = moments.shape
     line = np.empty(10)
@@ -93,10 +92,9 @@ def sum_areas(moments: Float64Array, size: float, out: Float64Array) -> None:
 
 @jit
 def fit_windows(table: Float64Array, size: float, reach: int, min_points: int, out: Float64Array) -> None:
-    """Write the planes of windows of 2 · ``reach`` + 1 patches per side from a summed-area table.
+    """Write the planes of windows of 2 · ``reach`` + 1 patches a side from a summed-area table.
 
-    Windows are clipped at the border of the grid. A plane's a is the height at the centre of the window's central
-    patch.
+    A window ends at the border of the grid. A plane's a is the height at the centre of the window's middle patch.
     """
     rows, cols = out.shape[0], out.shape[1]
     for row in range(rows):
@@ -135,7 +133,7 @@ def fit_windows(table: Float64Array, size: float, reach: int, min_points: int, o
 
 @jit
 def halve(moments: Float64Array, size: float, out: Float64Array) -> None:
-    """Add the patches of ``size`` metres to their parents' moments, the next level of the quadtree."""
+    """Add the patches of ``size`` to their parents' moments, the next level of the quadtree."""
     for row in range(moments.shape[0]):
         dy = (row % 2 - 0.5) * size
         for col in range(moments.shape[1]):
@@ -156,9 +154,7 @@ def halve(moments: Float64Array, size: float, out: Float64Array) -> None:
 
 @jit
 def steps_between(planes: Float64Array, size: float, out: Float64Array) -> None:
-    """Write the maximum gap (rows, cols) between a patch's plane and a neighbour's, at the middle of their common
-    edge.
-    """
+    """Write the greatest gap (rows, cols) between a patch's plane and a neighbour's in the middle of their edge."""
     rows, cols, _ = planes.shape
     half = 0.5 * size
     out[:] = 0.0
@@ -176,3 +172,60 @@ def steps_between(planes: Float64Array, size: float, out: Float64Array) -> None:
                 there = planes[row + 1, col]
                 gap = abs((here[0] + here[2] * half) - (there[0] - there[2] * half))
                 out[row, col], out[row + 1, col] = max(out[row, col], gap), max(out[row + 1, col], gap)
+
+
+@jit
+def consensus(points: Float64Array, starts: Int64Array, trials: int, distance: float, out: BoolArray) -> None:
+    """Write which points (n, 3) are within ``distance`` along z of the plane with most inliers in their patch.
+
+    The points of patch k are ``starts[k]`` to ``starts[k + 1]``. Candidate planes pass through three of them: all
+    triples if there are at most ``trials``, else ``trials`` random ones, which depend only on the number of points.
+    """
+    out[:] = False
+    for patch in range(len(starts) - 1):
+        first, n = starts[patch], starts[patch + 1] - starts[patch]
+        if n < 3:
+            continue
+        is_every = n * (n - 1) * (n - 2) // 6 <= trials
+        count = n * (n - 1) * (n - 2) // 6 if is_every else trials
+        state, i, j, k = np.int64(n), 0, 1, 1
+        most, best_a, best_b, best_c = 0, 0.0, 0.0, 0.0
+        for _ in range(count):
+            if is_every:
+                k += 1
+                if k == n:
+                    j += 1
+                    if j == n - 1:
+                        i += 1
+                        j = i + 1
+                    k = j + 1
+            else:
+                state = (1664525 * state + 1013904223) & 0xFFFFFFFF
+                i = (state >> 8) % n
+                state = (1664525 * state + 1013904223) & 0xFFFFFFFF
+                j = (state >> 8) % (n - 1)
+                state = (1664525 * state + 1013904223) & 0xFFFFFFFF
+                k = (state >> 8) % (n - 2)
+                j += j >= i
+                low, high = min(i, j), max(i, j)
+                k += k >= low
+                k += k >= high
+            p, q, r = points[first + i], points[first + j], points[first + k]
+            ux, uy, uz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+            vx, vy, vz = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+            cross = ux * vy - uy * vx
+            wx, wy = vx - ux, vy - uy
+            # Determinant and trace of the scatter matrix of the three points.
+            trace = (ux * ux + uy * uy + vx * vx + vy * vy + wx * wx + wy * wy) / 3.0
+            if cross * cross / 3.0 <= FLATNESS * trace * trace:
+                continue
+            b, c = (uz * vy - vz * uy) / cross, (ux * vz - vx * uz) / cross
+            a = p[2] - b * p[0] - c * p[1]
+            inside = 0
+            for m in range(first, first + n):
+                inside += abs(points[m, 2] - a - b * points[m, 0] - c * points[m, 1]) <= distance
+            if inside > most:
+                most, best_a, best_b, best_c = inside, a, b, c
+        if most:
+            for m in range(first, first + n):
+                out[m] = abs(points[m, 2] - best_a - best_b * points[m, 0] - best_c * points[m, 1]) <= distance
