@@ -39,7 +39,7 @@ export interface Attempt {
   readonly title: string;
   readonly story: string;
   readonly level: number;
-  readonly causes: readonly NamedCause[];
+  readonly causes: readonly OfferedCause[];
   readonly is_named: boolean;
   readonly wrong: readonly string[];
   readonly hints: readonly string[];
@@ -874,6 +874,13 @@ export interface NoteList {
   readonly notes: readonly NoteAnswer[];
 }
 
+/** A cause to choose; `lesson` is a sentence of the lecture about it, once it was a wrong answer. */
+export interface OfferedCause {
+  readonly name: string;
+  readonly label: string;
+  readonly lesson: string | null;
+}
+
 /** A puzzle that comes with the program. */
 export interface OfferedPuzzle {
   readonly name: string;
@@ -1335,7 +1342,11 @@ export interface SlamStatus {
   readonly loops: number;
 }
 
-/** The answer to a puzzle: its cause, what a `lesson`'s `section` says of it, and what repairs the map. */
+/**
+ * The answer to a puzzle: its cause, what a `lesson`'s `section` says of it, and what repairs the map. `repair` has the
+ * parameters that repair it, `faulty` their values at first; `trajectory` the poses that repair it, null for those at
+ * first, `faulty_trajectory`.
+ */
 export interface SolutionAnswer {
   readonly cause: string;
   readonly label: string;
@@ -1344,6 +1355,8 @@ export interface SolutionAnswer {
   readonly section: string;
   readonly repair: Readonly<Record<string, boolean | number | string>>;
   readonly trajectory: string | null;
+  readonly faulty: Readonly<Record<string, boolean | number | string>>;
+  readonly faulty_trajectory: string;
 }
 
 /** The tags of a log. */
