@@ -89,8 +89,9 @@ export function ParticleNumber() {
         }}
       </Plot>
       <figcaption class="number" aria-live="polite">
-        The {count} particles of the corridor lie in {bins} of {BINS} bins: M = {wanted} for ε = {written(error, 3)} and
-        q = {written(quantile, 2)}.
+        The {count} particles of the corridor lie in {bins} of {BINS} bins: <i>M</i> = {wanted} for ε ={" "}
+        {written(error, 3)}
+        and <i>q</i> = {written(quantile, 2)}.
       </figcaption>
     </figure>
   );

@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { type Classroom, questionInHeading } from "../../store/classroom";
 import { Button } from "../../ui/Button";
+import { Variables } from "../../ui/Variables";
 import type { ClassAxis } from "../../wire/protocol";
 import { answerHint } from "./answerHint";
 import { Histogram } from "./Histogram";
@@ -13,7 +14,9 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
   const given = room.answer.value?.question === question.id ? room.answer.value.value : null;
   return (
     <section class="class-card" aria-label="Question to the class">
-      <h2 class={questionInHeading.value === question.text ? "visually-hidden" : ""}>{question.text}</h2>
+      <h2 class={questionInHeading.value === question.text ? "visually-hidden" : ""}>
+        <Variables text={question.text} />
+      </h2>
       {question.is_revealed ? (
         <>
           <Histogram question={question} own={given} />
