@@ -88,7 +88,9 @@ function SlideOptions({ id, text, options }: SlideOptionsProps) {
                 />
               )}
               <span class="slide-option-letter">{letterOf(i)}</span>
-              <Variables text={option} />
+              <span>
+                <Variables text={option} />
+              </span>
               <span class="slide-option-mark">
                 {chosen === i && (
                   <>
