@@ -209,6 +209,6 @@ export const FIRST_PAINT = `<header class="site-header"><a class="site-brand" hr
           ${plate("The world", "", picture(FILES.world, FILES.worldDark, "The floor plan of an office with a robot in it"))}
           ${plate("The map", `<div class="plate-actions"><ul class="map-legend">${legend}</ul></div>`, picture(FILES.map, FILES.mapDark, "The robot’s map of it so far"))}
         </div>
-        <div class="hero-model"><noscript><p>The maps above are pictures of the start. With JavaScript the robot drives, and its sensor model can be changed here.</p></noscript></div>
+        <div class="hero-model"><div class="hero-curve"><noscript><p>The maps above are pictures of the start. With JavaScript the robot drives, and its sensor model can be changed here.</p></noscript></div><div class="hero-numbers">${"<div></div>".repeat(4)}</div></div>
         <p class="hero-facts"></p><a class="hero-more" href="${MORE.href}">${icon("unfold")} ${MORE.label}</a>
       </section></main>`;

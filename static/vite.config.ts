@@ -24,7 +24,13 @@ const firstPaint = {
   transformIndexHtml: {
     order: "post" as const,
     handler: (html: string): string =>
-      html.replace("<!-- first paint -->", () => FIRST_PAINT).replace("<!-- preview -->", () => PREVIEW_TAGS),
+      html.includes("<!-- first paint -->")
+        ? html
+            .replace("<!-- first paint -->", () => FIRST_PAINT)
+            .replace("<!-- preview -->", () => PREVIEW_TAGS)
+            // The picture is there without the script: its style and fonts come first.
+            .replace(/(<script type="module"|<link rel="modulepreload")/g, '$1 fetchpriority="low"')
+        : html,
   },
   generateBundle(this: {
     emitFile: (file: { type: "asset"; fileName: string; source: string | Uint8Array }) => string;
@@ -33,6 +39,23 @@ const firstPaint = {
       this.emitFile({ type: "asset", fileName: path, source: content });
   },
 };
+
+interface Modules {
+  getModuleInfo(id: string): { readonly importedIds: readonly string[] } | null;
+}
+
+/** The modules that the script of the front page imports, directly or not; null until the first is asked for. */
+let frontPage: Set<string> | null = null;
+
+/** Whether the front page needs a module at its start: it loads only these, so that it can be used sooner. */
+function isOnFrontPage(id: string, modules: Modules): boolean {
+  if (!frontPage) {
+    frontPage = new Set([page("src/pages/index.tsx")]);
+    for (const one of frontPage)
+      for (const imported of modules.getModuleInfo(one)?.importedIds ?? []) frontPage.add(imported);
+  }
+  return frontPage.has(id);
+}
 
 export default defineConfig({
   plugins: [heads, firstPaint],
@@ -58,7 +81,16 @@ export default defineConfig({
       },
       // Few files: what two pages share is in one of them, and the pages' own small pieces are not torn out of it.
       output: {
-        codeSplitting: { groups: [{ name: "shared", minShareCount: 3 }] },
+        codeSplitting: {
+          groups: [
+            {
+              name: (id, context) => (isOnFrontPage(id, context) ? "first" : null),
+              debugName: "first",
+              minShareCount: 2,
+            },
+            { name: "shared", minShareCount: 3 },
+          ],
+        },
         // The server puts this one into viser's page, see server/scenes/proxy.py.
         entryFileNames: ({ name }) => (name === "scene" ? "scene.js" : "assets/[name]-[hash].js"),
       },

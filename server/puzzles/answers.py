@@ -30,6 +30,15 @@ class NamedCause:
 
 
 @dataclass(frozen=True, slots=True)
+class OfferedCause:
+    """A cause to choose; ``lesson`` is a sentence of the lecture about it, once it was a wrong answer."""
+
+    name: str
+    label: str
+    lesson: str | None
+
+
+@dataclass(frozen=True, slots=True)
 class Costs:
     """Points deducted for a wrong answer and a hint."""
 
@@ -47,7 +56,11 @@ class RepairedWith:
 
 @dataclass(frozen=True, slots=True)
 class SolutionAnswer:
-    """The answer to a puzzle: its cause, a ``lesson`` about it from a ``section``, and what repairs the map."""
+    """The answer to a puzzle: its cause, a ``lesson`` about it from a ``section``, and the repair of the map.
+
+    ``repair`` has the parameters that repair it, ``faulty`` their initial values; ``trajectory`` the poses that repair
+    it, null for the initial ones, ``faulty_trajectory``.
+    """
 
     cause: str
     label: str
@@ -56,6 +69,8 @@ class SolutionAnswer:
     section: str
     repair: Values
     trajectory: str | None
+    faulty: Values
+    faulty_trajectory: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +84,7 @@ class Attempt:
     title: str
     story: str
     level: int
-    causes: list[NamedCause]
+    causes: list[OfferedCause]
     is_named: bool
     wrong: list[str]
     hints: list[str]

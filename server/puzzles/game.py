@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import get_args
 
 from mapper.core.errors import ConfigError
-from mapper.puzzles import CAUSES, Puzzle, points
+from mapper.puzzles import CAUSES, Cause, Puzzle, points
 from mapper.puzzles.scoring import HINT_POINTS, REPAIRED, WRONG_POINTS, Measures
-from server.puzzles.answers import Attempt, Costs, Measure, NamedCause, RepairedWith, SolutionAnswer
+from server.puzzles.answers import Attempt, Costs, Measure, OfferedCause, RepairedWith, SolutionAnswer
 
 
 @dataclass(slots=True)
@@ -114,7 +114,7 @@ class Game:
             title=self.title,
             story=self.story,
             level=self.level,
-            causes=[NamedCause(cause.name, cause.label) for cause in CAUSES.values() if cause.name in self.choices],
+            causes=[self._offered(CAUSES[name]) for name in CAUSES if name in self.choices],
             is_named=progress.is_named,
             wrong=sorted(progress.wrong),
             hints=list(cause.hints[: progress.hints]),
@@ -135,11 +135,15 @@ class Game:
             answer=self._answer() if self.is_over else None,
         )
 
+    def _offered(self, cause: Cause) -> OfferedCause:
+        return OfferedCause(cause.name, cause.label, cause.lesson if cause.name in self.progress.wrong else None)
+
     def _repaired_with(self) -> RepairedWith:
         return RepairedWith(list(self.puzzle.repair), bool(self.puzzle.repair_trajectory))
 
     def _answer(self) -> SolutionAnswer:
         cause, trajectory = CAUSES[self.puzzle.cause], self.puzzle.repair_trajectory or None
+        start = asdict(self.puzzle.start)
         return SolutionAnswer(
             cause.name,
             cause.label,
@@ -148,4 +152,6 @@ class Game:
             cause.section,
             dict(self.puzzle.repair),
             trajectory,
+            {name: start[name] for name in self.puzzle.repair},
+            self.puzzle.trajectory,
         )

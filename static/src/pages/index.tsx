@@ -2,7 +2,6 @@ import "../style/index.css";
 import "./home.css";
 import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
-import { useEffect } from "preact/hooks";
 import { logOdds } from "../grid/cellValues";
 import { beamModel, INITIAL_PARAMETERS } from "../grid/sensorModel";
 import { Cell } from "../lessons/cell/Cell";
@@ -301,9 +300,6 @@ function ClampEffect() {
 const SIGNED_IN = /(^|; )gridbloom_signed_in=1/.test(document.cookie);
 
 function Page() {
-  useEffect(() => {
-    void openWorld();
-  }, []);
   return (
     <>
       <Hero />
@@ -381,6 +377,7 @@ function Page() {
   );
 }
 
+void openWorld(); // before the first rendering: the server makes the world meanwhile
 showOther();
 app.replaceChildren(); // what the page showed until this script ran
 render(

@@ -8,6 +8,7 @@ import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { fetchLater, isLater, later } from "../lessons/stage/later";
 import { followedCode } from "../store/classroom";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
+import { fetchAhead } from "../tools/classroom/fetchAhead";
 import { Button } from "../ui/Button";
 import { anchorScroll } from "../ui/browser/scrollAnchor";
 import { SiteHeader } from "../ui/site/SiteHeader";
@@ -268,6 +269,8 @@ function Page() {
 const speaker = new URLSearchParams(location.search).get("speaker");
 void fetchLater(async () => (await import("../lessons/later")).LATER);
 void fetchAnswers();
+// The lecturer may show a slide with the lab, which is another page of a follower.
+if (followedCode !== null) addEventListener("load", () => void fetchAhead(`/class/${followedCode}/lab.html`));
 if (speaker === null && !isPreview) attendLecture(ENTRIES);
 await fontsLoaded(FONTS_MS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

@@ -39,7 +39,7 @@ export interface Attempt {
   readonly title: string;
   readonly story: string;
   readonly level: number;
-  readonly causes: readonly NamedCause[];
+  readonly causes: readonly OfferedCause[];
   readonly is_named: boolean;
   readonly wrong: readonly string[];
   readonly hints: readonly string[];
@@ -873,6 +873,13 @@ export interface NoteList {
   readonly notes: readonly NoteAnswer[];
 }
 
+/** A cause to choose; `lesson` is a sentence of the lecture about it, once it was a wrong answer. */
+export interface OfferedCause {
+  readonly name: string;
+  readonly label: string;
+  readonly lesson: string | null;
+}
+
 /** A puzzle included in the program. */
 export interface OfferedPuzzle {
   readonly name: string;
@@ -904,8 +911,8 @@ export interface OtherLog {
 }
 
 /**
- * One row of a table of parameters; `kind` says which of the other fields are used. `number`: low ≤ value ≤ high in
- * `unit`, with a slider of step `step`. `choice`: one of `choices`. `flag`: true or false. `group` names the panel that
+ * One row of a parameter table. `kind` determines which of the other fields are used. `number`: low ≤ value ≤ high in
+ * `unit`, with a slider of step `step`. `choice`: one of `choices`. `flag`: a boolean. `group` names the panel that
  * shows the row. `only_for` lists the choices of the table's first row (the model, the sensor's kind) for which the
  * parameter is used; empty means all.
  */
@@ -1335,7 +1342,11 @@ export interface SlamStatus {
   readonly loops: number;
 }
 
-/** The answer to a puzzle: its cause, a `lesson` about it from a `section`, and what repairs the map. */
+/**
+ * The answer to a puzzle: its cause, a `lesson` about it from a `section`, and the repair of the map. `repair` has the
+ * parameters that repair it, `faulty` their initial values; `trajectory` the poses that repair it, null for the initial
+ * ones, `faulty_trajectory`.
+ */
 export interface SolutionAnswer {
   readonly cause: string;
   readonly label: string;
@@ -1344,6 +1355,8 @@ export interface SolutionAnswer {
   readonly section: string;
   readonly repair: Readonly<Record<string, boolean | number | string>>;
   readonly trajectory: string | null;
+  readonly faulty: Readonly<Record<string, boolean | number | string>>;
+  readonly faulty_trajectory: string;
 }
 
 /** The tags of a log. */
@@ -1365,9 +1378,9 @@ export interface TerrainOfUpload {
 }
 
 /**
- * Times of the scans. `start_s` is the earliest stamp since 1970, null for a clock that began elsewhere. A gap is a
- * pause of more than a second and five times the usual one between two scans; `longest_gap_at_s` is where the longest
- * begins, in seconds since the earliest stamp.
+ * Times of the scans. `start_s` is the earliest stamp since 1970, null for a clock with another epoch. A gap is a pause
+ * between two scans of more than a second and five times the usual one; `longest_gap_at_s` is the start of the longest,
+ * in seconds since the earliest stamp.
  */
 export interface TimeSummary {
   readonly start_s: number | null;
@@ -1378,10 +1391,9 @@ export interface TimeSummary {
 }
 
 /**
- * One stream of messages in the file that a log was read from. `frame` to `mount` are those of a range sensor, null of
- * anything else: `frame` is the one that its scans are stated in, `mount` `T_base_frame` (m, m, rad) where the file
- * says it; `chosen` marks the sensor whose scans the log holds. When its messages were recorded and how large they are,
- * :mod:`mapper.io.contents` finds out.
+ * One stream of messages in the file of a log. `frame` to `mount` apply to range sensors and are null for others:
+ * `frame` is the frame of its scans, `mount` is `T_base_frame` (m, m, rad) if the file states it; `chosen` marks the
+ * sensor whose scans the log contains. :mod:`mapper.io.contents` determines the times and sizes of its messages.
  */
 export interface Topic {
   readonly name: string;

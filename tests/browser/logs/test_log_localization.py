@@ -60,8 +60,8 @@ def test_the_sample_is_localized_in_its_own_map(
             [start[0] + east, start[1]],
         )
         page.mouse.click(box["x"] + box["width"] / 2 + x, box["y"] + box["height"] / 2 + y)
-    expect(panel.get_by_label("heading, °")).to_have_value("0.00")
-    assert abs(float(panel.get_by_label("x, m").input_value()) - start[0]) < 0.1
+    expect(panel.get_by_label("heading (°)")).to_have_value("0.00")
+    assert abs(float(panel.get_by_label("x (m)").input_value()) - start[0]) < 0.1
     find.click()
     await_true(page, f"() => {_STORE}.trajectory.peek()?.name === 'localized'")
     await_end(panel.get_by_role("progressbar"))
@@ -103,7 +103,7 @@ def test_what_cannot_be_used_is_said(visitor: BrowserContext, server: str, tmp_p
     assert "    z_hit: 0.7\n" in text
     # A pose outside the map.
     panel.get_by_text("At a pose").click()
-    for label in ("x, m", "y, m"):
+    for label in ("x (m)", "y (m)"):
         panel.get_by_label(label).fill("900")
         panel.get_by_label(label).press("Tab")
     panel.get_by_role("button", name="Find the robot").click()

@@ -257,7 +257,7 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str, every: int) ->
     localize = open_group(page, "Localize")
     localize.get_by_role("button", name="Use this map").click()
     localize.get_by_text("At a pose").click()
-    expect(localize.get_by_label("heading, °")).to_be_visible()
+    expect(localize.get_by_label("heading (°)")).to_be_visible()
     nothing_wrong(page, ".dock")
     open_group(page, "Settings")
     assert told_sliders(page) > 10

@@ -85,11 +85,14 @@ def test_a_guest_solves_a_puzzle_and_the_answer_comes_last(guest: httpx.Client, 
         if sign * (first["goal"][name] - first["first"][name]) > 0
     }
     assert set(first["measures"]) == better
-    texts = [hint for cause in CAUSES.values() for hint in (*cause.hints, cause.explanation)]
+    texts = [hint for cause in CAUSES.values() for hint in (*cause.hints, cause.explanation, cause.lesson)]
     assert not any(text in json.dumps(first, ensure_ascii=False) for text in texts)
     assert {one["name"] for one in first["causes"]} == set(CAUSES)
 
-    assert state(guest, session, "/answer", cause="drift")["wrong"] == ["drift"]
+    wrong = state(guest, session, "/answer", cause="drift")
+    assert wrong["wrong"] == ["drift"]
+    lessons = {one["name"]: one["lesson"] for one in wrong["causes"] if one["lesson"] is not None}
+    assert lessons == {"drift": CAUSES["drift"].lesson}
     assert state(guest, session, "/answer", cause="drift")["wrong"] == ["drift"]  # costs once
     assert state(guest, session, "/hint")["hints"] == [CAUSES["beam_order"].hints[0]]
     assert state(guest, session, "/check")["repair"] == 0.0  # the map as it was given
@@ -116,6 +119,10 @@ def test_a_repaired_map_solves_it(owner: httpx.Client, service: Service) -> None
     assert found["is_solved"]
     assert found["points"] == 100
     assert found["answer"]["section"] == "resolution"
+    faulty = found["answer"]["faulty"]["resolution"]
+    assert faulty >= CAUSES["resolution"].amount[0]
+    first = {"values": {"resolution": faulty}, "trajectory": found["answer"]["faulty_trajectory"]}
+    assert owner.put(f"/api/sessions/{session}/compare", json=first).status_code == 200
     refused = owner.post(f"/api/sessions/{session}/puzzle/hint")
     assert refused.status_code == 422
     assert refused.json()["code"] == "puzzle.over"

@@ -82,7 +82,9 @@ export function Cell({ parameters, events: given }: CellProps) {
     >
       <div class="cell-square" data-state={state} style={{ "--p": `${probability(value) * 100}%` }}>
         <output>
-          <b>p {written(probability(value), 2)}</b>
+          <b>
+            <i>p</i> {written(probability(value), 2)}
+          </b>
           <span>{state}</span>
         </output>
       </div>

@@ -5,6 +5,7 @@ import { Button } from "../../ui/Button";
 import { bound } from "../../ui/bound";
 import { shownDecimals, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { Variables } from "../../ui/Variables";
 import { GuessColumns, type GuessQuestion, useClassGuess } from "./classGuess";
 import { Plot } from "./Plot";
 import { useSeen } from "./useSteps";
@@ -60,7 +61,7 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
   return (
     <section class="prediction no-print" ref={root} aria-label={`Predict: ${text}`}>
       <p class="prediction-question">
-        <b>Predict.</b> {text}
+        <b>Predict.</b> <Variables text={text} />
       </p>
       <Plot height={HEIGHT}>
         {(width) => {
@@ -127,7 +128,7 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
       </div>
       <p role="status">
         {result.value !== null && verdict(guess.value, result.value, step, formatted)}{" "}
-        {result.value !== null && because}
+        {result.value !== null && because && <Variables text={because} />}
         {hasFailed.value && "The result could not be loaded. Check the connection, and press the button again."}
         {awaits && "Answer at the bottom of the page; the lecturer shows the result."}
       </p>

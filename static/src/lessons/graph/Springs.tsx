@@ -252,8 +252,8 @@ export function Springs() {
       <KernelPlot kernel={kernel.value} scale={scale.value} loops={loops} />
       <figcaption class="number">
         {isSettling.value ? "On the way to the solution. " : ""}RMS error of the poses:{" "}
-        <b class="springs-error">{written(errorOf(poses.value), 2)} m</b>; Σ {kernel.value === "none" ? "" : "w "}eᵀ Ω e
-        = {written(energy, energy < 100 ? 1 : 0)}.
+        <b class="springs-error">{written(errorOf(poses.value), 2)} m</b>; Σ {kernel.value !== "none" && <i>w </i>}
+        <i>e</i>ᵀ Ω <i>e</i>= {written(energy, energy < 100 ? 1 : 0)}.
         {loops.map(({ name, residual, weight }) => (
           <span key={name}>
             {" "}

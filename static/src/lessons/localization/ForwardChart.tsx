@@ -4,6 +4,7 @@ import { type BeamMixture, beamParts, normalPeak } from "../../grid/rangeModels"
 import { linePath, toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { keyed, written } from "../../ui/numbers";
+import { Variables } from "../../ui/Variables";
 import { Plot } from "../common/Plot";
 import { ValueHandle } from "../common/ValueHandle";
 import { RANGE_MAX, type Share, withShare } from "./sensor";
@@ -106,10 +107,10 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
               </text>
             ))}
             <text x={x(RANGE_MAX)} y={HEIGHT - 6} text-anchor="end">
-              reading z (m)
+              <Variables text="reading z (m)" inSvg />
             </text>
             <text x={x(0)} y={14}>
-              p(z | x, m), square-root scale
+              <Variables text="p(z | x, m), square-root scale" inSvg />
             </text>
             <path class="forward-area" d={`${total}L${x(RANGE_MAX)} ${bottom}L${x(0)} ${bottom}Z`} />
             <path class="forward-part hit" d={line(({ hit }) => hit)} />

@@ -89,8 +89,8 @@ export function ParticleNumber() {
         }}
       </Plot>
       <figcaption class="number" aria-live="polite">
-        The {count} particles of the corridor lie in {bins} of {BINS} bins: M = {required} for ε = {written(error, 3)}{" "}
-        and q = {written(quantile, 2)}.
+        The {count} particles of the corridor lie in {bins} of {BINS} bins: <i>M</i> = {required} for ε ={" "}
+        {written(error, 3)} and <i>q</i> = {written(quantile, 2)}.
       </figcaption>
     </figure>
   );

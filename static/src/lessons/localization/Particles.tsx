@@ -244,7 +244,8 @@ export function Particles() {
           {
             weighed: (
               <>
-                The sensor says {seesDoor(now.robot) ? "“door”" : "“wall”"}: each particle has the weight p(z | x). N
+                The sensor says {seesDoor(now.robot) ? "“door”" : "“wall”"}: each particle has the weight <i>p</i>(
+                <i>z</i> | <i>x</i>, <i>m</i>). <i>N</i>
                 <sub>eff</sub> = {written(effectiveNumber(w), 1)} of {count}.
               </>
             ),

@@ -5,6 +5,7 @@ import { Button } from "../../ui/Button";
 import { bound } from "../../ui/bound";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { Variables } from "../../ui/Variables";
 import { Plot } from "../common/Plot";
 import { ValueHandle } from "../common/ValueHandle";
 import { ForwardChart } from "./ForwardChart";
@@ -175,7 +176,7 @@ function Key({ tone, children }: { tone: string; children: string }) {
       <svg class="inverse-swatch" viewBox="0 0 36 6" aria-hidden="true">
         <path class={`inverse-${tone}`} d="M0 3H36" />
       </svg>{" "}
-      {children}
+      <Variables text={children} />
     </span>
   );
 }

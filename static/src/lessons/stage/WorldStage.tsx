@@ -17,6 +17,7 @@ import { reducedMotion } from "../../ui/browser/media";
 import { isDark } from "../../ui/browser/theme";
 import { useSize } from "../../ui/browser/useSize";
 import { signed, written } from "../../ui/numbers";
+import { Variables } from "../../ui/Variables";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import type { StageTransform } from "../common/Stage";
@@ -266,7 +267,10 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
       </div>
       <div class="world-stage-caption">
         <p>
-          {caption} <span class="no-print">{task}</span>
+          <Variables text={caption} />{" "}
+          <span class="no-print">
+            <Variables text={task} />
+          </span>
         </p>
         {children}
       </div>

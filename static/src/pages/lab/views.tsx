@@ -50,9 +50,9 @@ function LabFrames({ store }: { readonly store: Store }) {
         <thead>
           <tr>
             <th scope="col">frame</th>
-            <th scope="col">x, m</th>
-            <th scope="col">y, m</th>
-            <th scope="col">yaw, °</th>
+            <th scope="col">x (m)</th>
+            <th scope="col">y (m)</th>
+            <th scope="col">yaw (°)</th>
           </tr>
         </thead>
         <tbody>

@@ -13,7 +13,8 @@ import { Icon } from "../../ui/Icon";
 import { decimals, written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import { toast } from "../../ui/Toast";
-import type { Attempt, OfferedPuzzle } from "../../wire/http";
+import type { Attempt, OfferedPuzzle, SolutionAnswer } from "../../wire/http";
+import { compareWith, endComparison } from "../logs/compare/sides";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
 import { MEASURE_NAMES, type Measure, percent, progressText, resultText } from "./attempt";
 import { nameCause, step as stepOf } from "./puzzles";
@@ -24,6 +25,7 @@ function textOf(value: boolean | number | string): string {
 }
 
 interface AnswerProps {
+  readonly session: string;
   readonly store: Store;
   readonly attempt: Attempt;
   readonly onClose: (() => void) | undefined;
@@ -32,7 +34,7 @@ interface AnswerProps {
 }
 
 /** The end of an attempt: the cause, the repair of the map, and links to continue. */
-export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
+export function Answer({ session, store, attempt, onClose, next, onNext }: AnswerProps) {
   const { answer } = attempt;
   const top = useRef<HTMLDivElement>(null);
   // The control that solved the puzzle may be far down in the panel, which on a phone is lower than the answer is high.
@@ -70,6 +72,7 @@ export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
               Next: {next.title}
             </Button>
           )}
+          {said.length > 0 && <FaultyMap session={session} store={store} answer={answer} />}
           <Button href={`/lecture.html#${answer.section}`} target="_blank">
             Its section of the lecture
           </Button>
@@ -80,6 +83,33 @@ export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
         </div>
       </Panel>
     </div>
+  );
+}
+
+interface FaultyMapProps {
+  readonly session: string;
+  readonly store: Store;
+  readonly answer: SolutionAnswer;
+}
+
+/** Shows the map as it was at first in one half of the picture, beside the present one. */
+function FaultyMap({ session, store, answer }: FaultyMapProps) {
+  const { failure, attempt } = useAttempts();
+  const isShown = store.compared.value !== null;
+  const change = (): Promise<void> =>
+    attempt(async () => {
+      const refused = isShown
+        ? await endComparison(session)
+        : await compareWith(session, { values: answer.faulty, trajectory: answer.faulty_trajectory });
+      if (refused !== null) throw new Error(refused);
+    });
+  return (
+    <>
+      <Button pressed={isShown} onClick={() => void change()}>
+        Beside the faulty map
+      </Button>
+      {failure.value && <p role="alert">{failure.value}</p>}
+    </>
   );
 }
 
@@ -108,6 +138,7 @@ interface CaseProps {
 export function CaseGroup(props: CaseProps) {
   const { session, store, attempt, openGroup, onCheck, isChecking, onClose, next, onNext } = props;
   const { failure, attempt: attempted } = useAttempts();
+  const answered = useSignal<string | null>(null);
   const now = attempt.value;
   if (!now) return null;
   const step = (work: Promise<Attempt>): Promise<void> =>
@@ -125,7 +156,9 @@ export function CaseGroup(props: CaseProps) {
   );
   return (
     <div class="case stack">
-      {now.answer && <Answer store={store} attempt={now} onClose={onClose} next={next} onNext={onNext} />}
+      {now.answer && (
+        <Answer session={session} store={store} attempt={now} onClose={onClose} next={next} onNext={onNext} />
+      )}
       {!now.answer && (
         <>
           {now.story && <p class="case-story">{now.story}</p>}
@@ -139,7 +172,15 @@ export function CaseGroup(props: CaseProps) {
       )}
       <Failure why={failure.value} />
       {!now.answer && (
-        <Causes attempt={now} onAnswer={(cause) => void step(nameCause(session, cause))} key={now.wrong.join()} />
+        <Causes
+          attempt={now}
+          last={answered.value}
+          onAnswer={(cause) => {
+            answered.value = cause;
+            void step(nameCause(session, cause));
+          }}
+          key={now.wrong.join()}
+        />
       )}
       {now.can_repair !== false && (
         <Repair store={store} attempt={now} onCheck={onCheck} isChecking={isChecking} openGroup={openGroup} />
@@ -175,11 +216,14 @@ export function CaseGroup(props: CaseProps) {
 
 interface CausesProps {
   readonly attempt: Attempt;
+  /** Name of the cause that was answered last; null for none. */
+  readonly last: string | null;
   readonly onAnswer: (cause: string) => void;
 }
 
-function Causes({ attempt, onAnswer }: CausesProps) {
+function Causes({ attempt, last, onAnswer }: CausesProps) {
   const chosen = useSignal<string | null>(null);
+  const wrong = attempt.causes.find(({ name, lesson }) => name === last && lesson !== null);
   if (attempt.is_named) {
     return (
       <p class="case-right" role="status">
@@ -218,6 +262,11 @@ function Causes({ attempt, onAnswer }: CausesProps) {
             );
           })}
         </div>
+        {wrong && (
+          <p class="case-wrong" role="status">
+            It is not “{wrong.label}”, of which the lecture says: <q>{wrong.lesson}</q> Look for what differs here.
+          </p>
+        )}
         <div class="actions">
           <Button kind="primary" submits disabled={chosen.value === null}>
             This is the cause

@@ -6,7 +6,17 @@ const attempt = (given: Partial<Attempt>): Attempt =>
   ({ answer: null, best: 0, enough: 0.9, is_named: false, wrong: [], hints: [], ...given }) as Attempt;
 
 test("a check leads to the case with the answer, and where only the cause is missing", () => {
-  const answer = { cause: "drift", label: "", explanation: "", lesson: "", section: "", repair: {}, trajectory: null };
+  const answer = {
+    cause: "drift",
+    label: "",
+    explanation: "",
+    lesson: "",
+    section: "",
+    repair: {},
+    trajectory: null,
+    faulty: {},
+    faulty_trajectory: "odometry",
+  };
   expect(leadsToCase(attempt({ answer, is_named: true, best: 0.95 }))).toBe(true);
   expect(leadsToCase(attempt({ best: 0.9 }))).toBe(true);
   expect(leadsToCase(attempt({ best: 0.5 }))).toBe(false);

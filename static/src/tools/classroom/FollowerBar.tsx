@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { type Classroom, questionInHeading, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
+import { Variables } from "../../ui/Variables";
 import { toastFailure } from "../../ui/browser/attempts";
 import { isTouched } from "../../ui/browser/media";
 import { ask } from "../../wire/ask";
@@ -131,7 +132,9 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
   const given = room.answer.value?.question === question.id ? room.answer.value.value : null;
   return (
     <section class="class-card" aria-label="Question to the class">
-      <h2 class={questionInHeading.value === question.text ? "visually-hidden" : ""}>{question.text}</h2>
+      <h2 class={questionInHeading.value === question.text ? "visually-hidden" : ""}>
+        <Variables text={question.text} />
+      </h2>
       {question.is_revealed ? (
         <>
           <Histogram question={question} own={given} />

@@ -13,6 +13,7 @@ import { selected } from "../../ui/bound";
 import { toastFailure } from "../../ui/browser/attempts";
 import { Choice } from "../../ui/Choice";
 import { toast } from "../../ui/Toast";
+import { Variables } from "../../ui/Variables";
 import { ask } from "../../wire/ask";
 import type { ClassPuzzle, ClassQuestion, ClassSolver } from "../../wire/protocol";
 import { OutdatedPage, useRefused } from "./bars";
@@ -438,7 +439,9 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
     <section class="class-card" aria-label="Question to the class">
       {questionOnPage.value !== question.text && (
         <>
-          <h2 class={isHeading ? "visually-hidden" : ""}>{question.text}</h2>
+          <h2 class={isHeading ? "visually-hidden" : ""}>
+            <Variables text={question.text} />
+          </h2>
           {(!isHeading || question.counts) && <Histogram question={question} own={null} />}
         </>
       )}

@@ -70,7 +70,7 @@ export function GridSection(head: SectionHead) {
         <DragNumber
           label="prior of a cell"
           sentence="Probability that a cell is occupied, before any reading."
-          value={100 * prior}
+          value={Math.round(100 * prior)}
           unit="%"
           tone="prior"
           low={5}
@@ -83,7 +83,7 @@ export function GridSection(head: SectionHead) {
         <DragNumber
           label="error of the sonar"
           sentence="How often the sonar reports an echo from an empty arc, or no echo from an occupied one."
-          value={100 * sonarError}
+          value={Math.round(100 * sonarError)}
           unit="%"
           tone="beam"
           low={1}
@@ -95,7 +95,7 @@ export function GridSection(head: SectionHead) {
         <DragNumber
           label="error of the narrow beam"
           sentence="How often the narrow beam is wrong about a cell."
-          value={100 * beamError}
+          value={Math.round(100 * beamError)}
           unit="%"
           tone="beam"
           low={1}

@@ -7,7 +7,7 @@ import { Profile } from "../../../tools/profile/Profile";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
 import { signed, written } from "../../../ui/numbers";
-import { OnStage, Section, type SectionHead } from "../Section";
+import { OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
 /** Each model in one sentence. */
 const DESCRIPTIONS: Readonly<Record<string, string>> = {
@@ -106,9 +106,9 @@ export function ModelSection(head: SectionHead) {
       </p>
       <p>
         As log-odds to add, these are logit <i>p</i> − ℓ₀, with logit <i>p</i> = log(<i>p</i>/(1&nbsp;−&nbsp;<i>p</i>)):{" "}
-        {signed(logOdds(p_free))}, {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly (
-        <em>fixed increments</em>). The curve is that of one {beam} of the stage.{" "}
-        <span class="no-print">Drag any part of it: the {beam}, its cells and the whole map follow.</span>
+        {signed(logOdds(p_free))}, {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly, as{" "}
+        <SectionLink to="cell" /> does (<em>fixed increments</em>: −0.40, +0.85). The curve is that of one {beam} of the
+        stage. <span class="no-print">Drag any part of it: the {beam}, its cells and the whole map follow.</span>
       </p>
     </Section>
   );

@@ -5,6 +5,7 @@ import { ClassButton } from "../../../tools/classroom/ClassHost";
 import { letterOf } from "../../../tools/classroom/histogram";
 import { Button } from "../../../ui/Button";
 import { toast } from "../../../ui/Toast";
+import { Variables } from "../../../ui/Variables";
 import { act, canAct } from "./acts";
 import { DeckEditor } from "./deck/DeckEditor";
 import { titleOf } from "./deck/deck";
@@ -47,7 +48,9 @@ function Heading() {
   const isRight = chosen !== undefined && chosen === answer?.right;
   return (
     <div class="presenter-heading">
-      <h1>{heading ?? titleOf(now)}</h1>
+      <h1>
+        <Variables text={heading ?? titleOf(now)} />
+      </h1>
       {question && (
         <p class="presenter-answer" role="status">
           {begun && stage.value === "answer" && (
@@ -58,7 +61,7 @@ function Heading() {
                   {!isRight && answer?.right !== undefined && `, ${letterOf(answer.right)} is right`}.{" "}
                 </b>
               )}
-              {answer?.answer}
+              {answer && <Variables text={answer.answer} />}
             </>
           )}
         </p>

@@ -4,6 +4,7 @@ import { answerHint } from "../../../tools/classroom/answerHint";
 import { barsOf, letterOf } from "../../../tools/classroom/histogram";
 import { Button } from "../../../ui/Button";
 import { Icon } from "../../../ui/Icon";
+import { Variables } from "../../../ui/Variables";
 import type { LessonId } from "../lessons";
 import { askSlide } from "./poll";
 import { QUESTIONS } from "./questions";
@@ -40,7 +41,9 @@ export function SlideQuestion({ id }: { id: string }) {
   if (!isShown) return null;
   return (
     <div class="slide-question">
-      <p class="slide-question-text">{question.question}</p>
+      <p class="slide-question-text">
+        <Variables text={text} />
+      </p>
       {hasOptions && <SlideOptions id={id} text={text} options={question.options ?? []} />}
       <ClassQuestion />
     </div>
@@ -85,7 +88,9 @@ function SlideOptions({ id, text, options }: SlideOptionsProps) {
                 />
               )}
               <span class="slide-option-letter">{letterOf(i)}</span>
-              {option}
+              <span>
+                <Variables text={option} />
+              </span>
               <span class="slide-option-mark">
                 {chosen === i && (
                   <>

@@ -1,3 +1,4 @@
+import { Variables } from "../../../ui/Variables";
 import "./speaker.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -65,7 +66,9 @@ function PollPanel({ poll, act }: { readonly poll: Poll; readonly act: (act: Pol
   return (
     <section class="speaker-poll" aria-label="Question">
       <h2>Question</h2>
-      <p class="speaker-question">{poll.text}</p>
+      <p class="speaker-question">
+        <Variables text={poll.text} />
+      </p>
       <p role="status">{poll.status}</p>
       <ol>
         {poll.options.map(({ text, count, isRight }, i) => (

@@ -7,7 +7,7 @@ import { stage } from "./state";
 const NARROWEST = 0.5;
 
 /** Maximum enlargement of a figure with its text, and of the controls beside a picture; the step of both. */
-const LARGEST = 1.4;
+const LARGEST = 1.6;
 const LARGEST_CONTROLS = 1.6;
 const STEP = 0.05;
 /** Controls are enlarged by a quarter, and more only while they are laid out at this width, CSS pixels. */

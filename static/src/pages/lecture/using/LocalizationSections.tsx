@@ -13,10 +13,10 @@ export function ParticlesSection(head: SectionHead) {
       after={
         <>
           <p>
-            The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
-            pointers on it at equal distances, turned by one random number. Of <i>M</i> draws a particle gets <i>M</i>{" "}
-            times its weight, rounded down or up. <b>Independent</b> draws vary more, and lose equally good particles by
-            chance.
+            The wheel has one sector for each particle, as wide as its weight; the weights add up to 1. The{" "}
+            <b>low-variance sampler</b> puts all pointers on it at equal distances, turned by one random number. Of{" "}
+            <i>M</i> draws a particle gets <i>M</i> times its weight, rounded down or up. <b>Independent</b> draws vary
+            more, and lose equally good particles by chance.
           </p>
           <p>
             <b>
@@ -48,8 +48,9 @@ export function ParticlesSection(head: SectionHead) {
         distribution over poses. <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where
         the belief is higher. A reading gives each particle the weight <i>p</i>(<i>z</i> | <i>x</i>, <i>m</i>) (
         <SectionLink to="sensor-models" />
-        ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
-        three equal doors: after the second door only one group is left.
+        ); new ones are drawn by these weights; then each moves by the odometry, with its own error (table 8.2 has the
+        same cycle, beginning with the motion). The corridor has three equal doors: after the second door only one group
+        is left.
       </p>
     </Section>
   );

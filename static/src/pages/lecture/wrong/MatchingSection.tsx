@@ -41,7 +41,7 @@ const REALIZATIONS: readonly {
   {
     name: "Correlative",
     sketch: "correlative",
-    sentence: "Every pose of a window is scored on a raster; a coarser raster bounds the score and rules most out.",
+    sentence: "Every pose of a window is scored on a raster; upper bounds from a coarser raster rule most out.",
   },
 ];
 

@@ -58,7 +58,7 @@ export function OdometrySection(head: SectionHead) {
     >
       <p>
         So far every pose was given. Wheels slip, and the errors of odometry add up: after one lap the same wall is in
-        several places. Here the heading is wrong by{" "}
+        several places. Each metre driven adds an error of{" "}
         <DragNumber
           label="Heading error"
           sentence="Standard deviation for each metre driven."
@@ -72,7 +72,7 @@ export function OdometrySection(head: SectionHead) {
             noise.value = { ...noise.peek(), turn: value * DEGREE };
           }}
         />{" "}
-        and the distance by{" "}
+        to the heading and of{" "}
         <DragNumber
           label="Distance error"
           sentence="Standard deviation for each metre driven."
@@ -86,7 +86,7 @@ export function OdometrySection(head: SectionHead) {
             noise.value = { ...noise.peek(), way: value / 100 };
           }}
         />{" "}
-        (standard deviations per metre).
+        to the distance (standard deviations).
       </p>
     </Section>
   );

@@ -132,7 +132,7 @@ function InitialPose({ localizing }: { readonly localizing: Localizing }) {
             {FIELDS.map(([i, name, unit, factor]) => (
               <div key={name} class="field">
                 <label class="field-label" for={id + name}>
-                  {name}, {unit}
+                  {name} ({unit})
                 </label>
                 <NumberField
                   id={id + name}

@@ -241,11 +241,11 @@ function MapReadout({ store }: { readonly store: Store }) {
     <div class="readout">
       <dl>
         <div>
-          <dt>x, m</dt>
+          <dt>x (m)</dt>
           <dd class="number">{now?.x ?? "–"}</dd>
         </div>
         <div>
-          <dt>y, m</dt>
+          <dt>y (m)</dt>
           <dd class="number">{now?.y ?? "–"}</dd>
         </div>
         <div class="readout-last">

@@ -191,7 +191,7 @@ function Table({ errors }: { readonly errors: TrajectoryErrors }) {
           {rowsOf(errors).map(([what, unit, figures]) => (
             <tr key={what + unit}>
               <th scope="row">
-                {what}, {unit}
+                {what} ({unit})
               </th>
               {figures.map((value, n) => (
                 <td key={STATISTICS[n]}>{written(value, value >= 100 ? 0 : value >= 10 ? 1 : 3)}</td>
