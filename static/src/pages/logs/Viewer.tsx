@@ -34,6 +34,7 @@ import { NoteCard, NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { TimelinePlots } from "./plots/TimelinePlots";
 import { useTimelinePlots } from "./plots/timelinePlots";
+import { useScanSeries } from "./plots/useScanSeries";
 import { useSensor } from "./sensor/useSensor";
 import { applySharedView, applyShown, type GuestOfLink, sharedViewOf, shownOf } from "./share/shown";
 import { CorrectionOffer } from "./slam/CorrectionOffer";
@@ -72,6 +73,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store, given?.note ?? undefined);
   const plots = useTimelinePlots(given?.plots);
+  const scans = useScanSeries(store, session, plots.zoom);
   const solid = useMemo(() => {
     const open = (ending: AbortSignal) =>
       openSession(store.hello.peek()?.log?.id ?? "", null, ending, { other: null, up: null });
@@ -206,6 +208,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
               fields,
               onPlot,
               zoom: plots.zoom,
+              scans,
               onCorrectPoses,
               sharedView: () => sharedViewOf(store, picture),
               shown: () =>
@@ -255,7 +258,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
             lines={lines}
             plots={plots}
           />
-          {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
+          {plots.isOpen.value && <TimelinePlots {...{ store, session, scans }} state={plots} />}
           <div class="viewer-readout">
             {comparison.isOn.value ? (
               <CompareReadout store={store} summedOver={comparison.summedOver.value} />

@@ -35,6 +35,7 @@ import { Messages } from "./messages/Messages";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Overview } from "./overview/Overview";
+import type { ScanSeriesState } from "./plots/useScanSeries";
 import { Settings } from "./Settings";
 import type { SensorState } from "./sensor/useSensor";
 import type { Shown } from "./share/links";
@@ -157,6 +158,7 @@ interface LogView {
   readonly onPlot: (topic: string, field: string) => void;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
+  readonly scans: ScanSeriesState;
   /** Begin SLAM of the log, and open the group that shows it. */
   readonly onCorrectPoses: () => void;
   readonly notes: NotesState;
@@ -208,7 +210,7 @@ const GROUPS: readonly Group[] = [
     content: (view) => (
       <Overview
         store={view.store}
-        session={view.session}
+        scans={view.scans}
         doctor={view.doctor}
         zoom={view.zoom}
         {...(view.isGuest ? {} : { onCorrectPoses: view.onCorrectPoses })}

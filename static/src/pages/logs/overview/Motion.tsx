@@ -7,7 +7,7 @@ import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
 import { StripRow } from "../plots/StripRow";
 import { nearest, type Shown, scanAtPlace, shownRange } from "../plots/strips";
-import { useMoments, useScanSeries } from "../plots/useScanSeries";
+import { type ScanSeriesState, useMoments, useUsed } from "../plots/useScanSeries";
 
 /** What is shown, each the first of which there are values: of a log without times there are no rates. */
 const WANTED: readonly (readonly string[])[] = [["speed", "pose step"], ["turn rate", "turn"], ["returns"]];
@@ -30,14 +30,15 @@ export function motionOf(columns: readonly SeriesColumn[]): readonly Plotted[] {
 
 interface MotionProps {
   readonly store: Store;
-  readonly session: string;
+  readonly scans: ScanSeriesState;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
 }
 
 /** How the robot moved and what its sensor saw over the time of the log. */
-export function Motion({ store, session, zoom }: MotionProps) {
-  const { series, whole } = useScanSeries(store, session, zoom);
+export function Motion({ store, scans, zoom }: MotionProps) {
+  const { series, whole } = scans;
+  useUsed(scans);
   const { now, selected } = useMoments(store, series);
   const pointed = useSignal<number | null>(null);
   const found = series.value;

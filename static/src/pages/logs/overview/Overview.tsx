@@ -9,6 +9,7 @@ import type { Span } from "../contents/series";
 import { ContentsContext } from "../contents/useContents";
 import { Doctor, type DoctorState } from "../Doctor";
 import { trajectoryLabel } from "../library/describeLog";
+import type { ScanSeriesState } from "../plots/useScanSeries";
 import { UtcSwitch } from "../time/Moment";
 import { Motion } from "./Motion";
 import "../viewer.css";
@@ -76,7 +77,7 @@ export function Facts({ store }: { readonly store: Store }) {
 
 interface OverviewProps {
   readonly store: Store;
-  readonly session: string;
+  readonly scans: ScanSeriesState;
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
   readonly onCorrectPoses?: () => void;
@@ -87,14 +88,14 @@ interface OverviewProps {
 }
 
 /** What a log opens on: what it is, what happened in it, its motion, and its topics once they are known. */
-export function Overview({ store, session, doctor, onCorrectPoses, zoom, children }: OverviewProps) {
+export function Overview({ store, scans, doctor, onCorrectPoses, zoom, children }: OverviewProps) {
   const contents = useContext(ContentsContext)?.state.value;
   const hasTopics = contents?.kind === "ready" && contents.contents.topics.length > 0;
   return (
     <div class="log-overview">
       <Facts store={store} />
       <Doctor store={store} doctor={doctor} {...(onCorrectPoses ? { onCorrectPoses } : {})} />
-      {store.trajectory.value && <Motion store={store} session={session} zoom={zoom} />}
+      {store.trajectory.value && <Motion store={store} scans={scans} zoom={zoom} />}
       {hasTopics && (
         <section aria-label="Topics">
           <h2 class="doctor-title">Topics</h2>
