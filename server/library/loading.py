@@ -20,7 +20,7 @@ from server.library.packs.costmaps import read_costmap_pack
 from server.library.packs.log import StalePackError
 from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.reader import Readers
-from server.library.processing.reading_jobs import Jobs, unstored
+from server.library.processing.reading_jobs import Jobs, unreadable
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 
@@ -103,7 +103,7 @@ class Loading:
                 return await self.scans.packed(record)
             except StalePackError:
                 self.jobs.queue(self.get(owner, log_id))
-        raise unstored()
+        raise unreadable()
 
     async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
         """Return the costmaps of a recording that has no scans, None for any other log; as :meth:`load`."""
@@ -121,7 +121,7 @@ class Loading:
                 if record.summary is None:
                     return None
                 self.jobs.queue(record)
-        raise unstored()
+        raise unreadable()
 
     async def volume(self, owner: str, log_id: str, topic: str | None) -> VolumeSource:
         """Return what a map in 3D of a log is made of; as :meth:`load`.
@@ -145,7 +145,7 @@ class Loading:
                 return await asyncio.to_thread(read_volume_pack, self.catalogue.pack(record.id))
             except StalePackError:
                 self.jobs.queue(record)
-        raise unstored()
+        raise unreadable()
 
     async def reference_map(self, owner: str, log_id: str) -> ReferenceMap | None:
         """Return the map in map files, None for any other log; as :meth:`load`."""
@@ -165,7 +165,7 @@ class Loading:
                 self.jobs.queue(record)
             else:
                 return replace(reference, title=record.name)
-        raise unstored()
+        raise unreadable()
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""

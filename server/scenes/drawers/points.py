@@ -10,7 +10,7 @@ class PointsDrawer(Drawer[Points, Points]):
     """Sends points and colours in one message if they changed, otherwise only a changed pose or clip box.
 
     viser clips nothing: ``static/src/pages/scene.ts`` takes the places of two nodes beside the cloud for the corners of
-    its clip box, and gives viser's client the points in between.
+    its clip box, and has viser's client draw the points in between.
     """
 
     def __init__(self, context: DrawerContext, drawing: Points) -> None:

@@ -87,7 +87,6 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
             Copy the address of this session
           </Button>
         </div>
-        {children}
         <p role="status" class="quiet">
           {said.value}
         </p>
@@ -120,6 +119,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
             </ul>
           </section>
         )}
+        {children}
       </div>
     </Panel>
   );
