@@ -328,6 +328,9 @@ function Facts({ store }: { readonly store: Store }) {
   );
 }
 
+/** An area in m²: less than 1 m² to the area of a cell of 1 cm. */
+const areaText = (area: number): string => `${written(area, area < 1 ? 4 : 2)} m²`;
+
 /** What the colours mean, and how many cells of the present costmap have them. */
 function CellsByCost({ store }: { readonly store: Store }) {
   const counts = useMemo(
@@ -359,7 +362,7 @@ function CellsByCost({ store }: { readonly store: Store }) {
             </td>
             <td>{text}</td>
             <td class="number">{counts?.[n]?.toLocaleString("en") ?? "–"}</td>
-            <td class="number">{counts ? `${written((counts[n] ?? 0) * cellArea, 2)} m²` : "–"}</td>
+            <td class="number">{counts ? areaText((counts[n] ?? 0) * cellArea) : "–"}</td>
           </tr>
         ))}
       </tbody>
