@@ -244,8 +244,9 @@ class VisibleLogs:
         await self._folder.look()
         self._folder.begin_survey()
         self._sample.begin()
+        pictured = await asyncio.to_thread(self._catalogue.pictured)
         records = [*self._uploads(owner), *self._folder.records(), self._sample.record]
-        return [self._as_seen_by(owner, record) for record in records]
+        return [self._as_seen_by(owner, record, is_pictured=record.id in pictured) for record in records]
 
     def files(self, owner: str) -> Sequence[Record]:
         """Return the logs with files that ``owner`` may open, as at the last look into the folder."""
@@ -259,7 +260,7 @@ class VisibleLogs:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         if log_id == SAMPLE_ID:
             self._sample.begin()  # of several processes of the service, each makes it
-            return self._as_seen_by(owner, self._sample.record)
+            return self._as_seen_by(owner, self._sample.record, is_pictured=self._catalogue.picture(log_id).exists())
         record = self._catalogue.get(log_id)
         if log_id in self._catalogue.folder_logs:
             record = self._folder.record(self._catalogue.folder_logs[log_id])
@@ -267,15 +268,15 @@ class VisibleLogs:
             record = None
         if record is None:
             raise LogNotFoundError("log.not_found", "There is no such log.")
-        return self._as_seen_by(owner, record)
+        return self._as_seen_by(owner, record, is_pictured=self._catalogue.picture(log_id).exists())
 
-    def _as_seen_by(self, owner: str, record: Record) -> Record:
+    def _as_seen_by(self, owner: str, record: Record, *, is_pictured: bool) -> Record:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
         is_read = record.state == "reading"
         progress = self._jobs.progress(record) if is_read else record.progress
         reading_s = self._readers.of(record).elapsed_s if is_read else None
         added = tuple(trajectory.public() for trajectory in self._trajectories.of(owner, record.id))
-        has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
+        has_picture = record.state == "ready" and is_pictured
         tags = self._tags.of(owner, record.id)
         return replace(record, progress=progress, reading_s=reading_s, has_picture=has_picture, tags=tags, added=added)
 
