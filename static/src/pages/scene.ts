@@ -124,7 +124,7 @@ function expand({ data, currentTarget }: WorkerMessage): void {
   if (waiting.isTold(data?.messages ?? [], firstCamera.isKnown, camera.isMoved)) {
     requestAnimationFrame(() => requestAnimationFrame(() => show(true)));
   }
-  clouds.take(data?.messages ?? []);
+  if (clouds.take(data?.messages ?? [])) budget.moved(); // a face of the box is dragged: quick frames, as for a camera
   for (const { props } of data?.messages ?? []) {
     const file = props?.glb_data;
     if (props && file instanceof Uint8Array && isVoxelChunk(file)) props.glb_data = voxelGlb(decodeVoxels(file));

@@ -46,6 +46,9 @@ import { Solid } from "./views/solid";
 import { hasCamera, KINDS, lastLayout, MAP_ALONE, PLOTS_VIEW, presetsFor, viewsOf } from "./views/views";
 import { OpenIn3d } from "./volume/OpenIn3d";
 
+/** The number of scans in the map of a log whose session ended on the server, by its id: the next session goes there. */
+const reached = new Map<string, number>();
+
 interface ViewerProps {
   readonly session: string;
   /** Back to the logs; not for a guest. */
@@ -115,7 +118,16 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   useSignalEffect(() => {
     if (status.value !== "gone" || !reopens) return;
     toast("The session had ended on the server. The log was opened again with default parameters.");
+    const [log, frame] = [store.hello.peek()?.log, store.frame.peek()];
+    if (log && frame) reached.set(log.id, frame.index);
     onGone();
+  });
+  useSignalEffect(() => {
+    const id = store.hello.value?.log?.id ?? "";
+    const index = reached.get(id);
+    if (index === undefined || guest) return;
+    reached.delete(id);
+    store.goTo(index);
   });
   useSignalEffect(() => {
     const notice = store.notice.value;

@@ -13,9 +13,10 @@ import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
 import { useAttempts } from "../../ui/browser/attempts";
 import type { DockGroup } from "../../ui/dock/Dock";
+import { saveAs } from "../../ui/files/saveAs";
 import { lazy } from "../../ui/lazy";
 import { Panel } from "../../ui/Panel";
-import { ask, fileAddress } from "../../wire/ask";
+import { ask, fetched, fileAddress } from "../../wire/ask";
 import type { MapAnswer, TrajectoryErrors } from "../../wire/http";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
@@ -89,6 +90,24 @@ function TerrainChoice({ store, session }: TerrainChoiceProps) {
   );
 }
 
+/** The report as PDF, which takes the server some seconds to typeset. */
+function PdfReport({ session, title }: { readonly session: string; readonly title: string }) {
+  const { isBusy, failure, attempt } = useAttempts();
+  const make = (): Promise<void> =>
+    attempt(async () => {
+      const answer = await fetched(fileAddress(session, "report.pdf"));
+      saveAs(`${title}.pdf`, await answer.blob());
+    });
+  return (
+    <>
+      <Button icon="file" disabled={isBusy.value} onClick={() => void make()}>
+        {isBusy.value ? "Making the PDF …" : "Report as PDF"}
+      </Button>
+      {failure.value && <p role="alert">{failure.value}</p>}
+    </>
+  );
+}
+
 /** The map as files and, except for a guest, the run. */
 export function Downloads({
   session,
@@ -114,9 +133,7 @@ export function Downloads({
             <Button icon="file" href={fileAddress(session, "report")} target="_blank">
               Report
             </Button>
-            <Button icon="file" href={fileAddress(session, "report.pdf")} target="_blank">
-              Report as PDF
-            </Button>
+            <PdfReport session={session} title={title} />
             <EditMap session={session} name={title} />
           </>
         )}

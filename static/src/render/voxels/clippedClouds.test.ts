@@ -23,7 +23,8 @@ test("the box of a cloud is that of the node which it is in; its points are not 
   expect(clouds.boxOf("/points")).toBeNull(); // a corner is missing
   clouds.take([corner("high", [9, 9, 1])]);
   expect(clouds.boxOf("/points")).toEqual({ low: [-9, -9, -9], high: [9, 9, 1] });
-  clouds.take([corner("high", [9, 9, 2])]);
+  expect(clouds.take([corner("high", [9, 9, 2])])).toBe(true);
+  expect(clouds.take([cloud()])).toBe(false);
   expect(clouds.boxOf("/points")?.high).toEqual([9, 9, 2]);
   clouds.take([{ type: "RemoveSceneNodeMessage", name: "/points" }]);
   expect(clouds.boxOf("/points")).toBeNull();

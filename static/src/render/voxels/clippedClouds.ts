@@ -24,18 +24,21 @@ export class ClippedClouds {
   readonly #corners = new Map<string, Partial<ClipCorners>>();
   readonly #paths = new WeakMap<Float32Array, string>();
 
-  /** Note the clouds and the corners of boxes in messages of viser. */
-  take(messages: readonly NodeMessage[]): void {
+  /** Note the clouds and the corners of boxes in messages of viser; return whether a box has changed. */
+  take(messages: readonly NodeMessage[]): boolean {
+    let isChanged = false;
     for (const { type, name, position, props } of messages) {
       if (name === undefined) continue;
       const corner = type === "SetPositionMessage" && position ? CORNER.exec(name) : null;
       if (corner) {
         const [, path = "", end = ""] = corner;
         this.#corners.set(path, { ...this.#corners.get(path), [end]: position });
+        isChanged = true;
       } else if (type === "PointCloudMessage" && props?.points instanceof Float32Array) {
         this.#paths.set(props.points, name.slice(0, name.lastIndexOf("/")));
       } else if (type === "RemoveSceneNodeMessage") this.#corners.delete(name);
     }
+    return isChanged;
   }
 
   /** The path of the node whose cloud has these points; undefined for other numbers. */

@@ -219,7 +219,13 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
         <Dock
           label="About these costmaps"
           groups={[
-            { id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <About store={store} session={session} /> },
+            {
+              id: "costmap",
+              title: "Costmap",
+              keeps: true,
+              badge: null,
+              content: () => <About store={store} session={session} />,
+            },
             ...(guest ? [] : [share]),
           ]}
           open={openGroup}
