@@ -10,6 +10,7 @@ import asyncio
 import math
 import time
 from collections.abc import AsyncIterator, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -326,6 +327,10 @@ class Library:
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         return self._visible.get(owner, log_id)
+
+    def pictured(self) -> AbstractSet[str]:
+        """Return the ids of the logs of whose maps there are pictures; for a thread, see :meth:`Catalogue.pictured`."""
+        return self._catalogue.pictured()
 
     async def map_picture(self, owner: str, log_id: str, *, dark: bool = False) -> bytes:
         """Return the picture of a log's map as PNG; see :meth:`VisibleLogs.picture`."""

@@ -20,7 +20,7 @@ from server.library.packs.costmaps import read_costmap_pack
 from server.library.packs.log import StalePackError
 from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.reader import Readers
-from server.library.processing.reading_jobs import Jobs, unstored
+from server.library.processing.reading_jobs import Jobs, unreadable
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 
@@ -103,7 +103,7 @@ class Loading:
                 return await self.scans.packed(record)
             except StalePackError:
                 self.jobs.queue(self.get(owner, log_id))
-        raise unstored()
+        raise unreadable()
 
     async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
         """Return the costmaps of a recording without scans, None for any other log; see :meth:`load`."""
@@ -121,7 +121,7 @@ class Loading:
                 if record.summary is None:
                     return None
                 self.jobs.queue(record)
-        raise unstored()
+        raise unreadable()
 
     async def volume(self, owner: str, log_id: str, topic: str | None) -> VolumeSource:
         """Return the source of a log's 3D map; see :meth:`load`.
@@ -145,7 +145,7 @@ class Loading:
                 return await asyncio.to_thread(read_volume_pack, self.catalogue.pack(record.id))
             except StalePackError:
                 self.jobs.queue(record)
-        raise unstored()
+        raise unreadable()
 
     async def reference_map(self, owner: str, log_id: str) -> ReferenceMap | None:
         """Return the map in map files, None for any other log; see :meth:`load`."""
@@ -165,7 +165,7 @@ class Loading:
                 self.jobs.queue(record)
             else:
                 return replace(reference, title=record.name)
-        raise unstored()
+        raise unreadable()
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log currently waits for, in words, and its completed share, None if unknown."""
@@ -244,8 +244,9 @@ class VisibleLogs:
         await self._folder.look()
         self._folder.begin_survey()
         self._sample.begin()
+        pictured = await asyncio.to_thread(self._catalogue.pictured)
         records = [*self._uploads(owner), *self._folder.records(), self._sample.record]
-        return [self._as_seen_by(owner, record) for record in records]
+        return [self._as_seen_by(owner, record, is_pictured=record.id in pictured) for record in records]
 
     def files(self, owner: str) -> Sequence[Record]:
         """Return the logs with files that ``owner`` may open, as of the last scan of the folder."""
@@ -259,7 +260,7 @@ class VisibleLogs:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         if log_id == SAMPLE_ID:
             self._sample.begin()  # each process of the service creates it
-            return self._as_seen_by(owner, self._sample.record)
+            return self._as_seen_by(owner, self._sample.record, is_pictured=self._catalogue.picture(log_id).exists())
         record = self._catalogue.get(log_id)
         if log_id in self._catalogue.folder_logs:
             record = self._folder.record(self._catalogue.folder_logs[log_id])
@@ -267,15 +268,15 @@ class VisibleLogs:
             record = None
         if record is None:
             raise LogNotFoundError("log.not_found", "There is no such log.")
-        return self._as_seen_by(owner, record)
+        return self._as_seen_by(owner, record, is_pictured=self._catalogue.picture(log_id).exists())
 
-    def _as_seen_by(self, owner: str, record: Record) -> Record:
+    def _as_seen_by(self, owner: str, record: Record, *, is_pictured: bool) -> Record:
         """Return a record with the current progress, and with the additions of ``owner``."""
         is_read = record.state == "reading"
         progress = self._jobs.progress(record) if is_read else record.progress
         reading_s = self._readers.of(record).elapsed_s if is_read else None
         added = tuple(trajectory.public() for trajectory in self._trajectories.of(owner, record.id))
-        has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
+        has_picture = record.state == "ready" and is_pictured
         tags = self._tags.of(owner, record.id)
         return replace(record, progress=progress, reading_s=reading_s, has_picture=has_picture, tags=tags, added=added)
 

@@ -18,7 +18,7 @@ from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.packs.log import NotPackedError, StalePackError, read_pack
 from server.library.processing.reader import Readers
-from server.library.processing.reading_jobs import unstored, without_paths
+from server.library.processing.reading_jobs import unreadable, without_paths
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
@@ -62,7 +62,7 @@ class Scans:
                 await self._read_now(record, pack, topic, volume=True)
                 return await asyncio.to_thread(read_volume_pack, pack)
             except StalePackError:
-                raise unstored() from None
+                raise unreadable() from None
             finally:
                 for half in self._scratch.glob(f"{pack.name}*"):
                     half.unlink(missing_ok=True)
@@ -106,7 +106,7 @@ class Scans:
                 await self._read_now(record, pack, topic, cut)
                 log = replace(await asyncio.to_thread(read_pack, pack), name=record.name)
             except StalePackError:
-                raise unstored() from None
+                raise unreadable() from None
             finally:
                 for half in self._scratch.glob(f"{pack.name}*"):
                     half.unlink(missing_ok=True)

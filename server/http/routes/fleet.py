@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
@@ -76,7 +77,8 @@ async def state(
     """Return how many logs of this visitor and of the shared folder are mapped, and those that changed."""
     if since == 0:
         await library.list(visitor)  # reads the folder
-    return library.fleet.state(_logs(library, visitor), since)
+    pictured = await asyncio.to_thread(library.pictured)
+    return library.fleet.state(_logs(library, visitor), since, pictured)
 
 
 @router.post("", status_code=202)

@@ -11,6 +11,7 @@ import contextlib
 import os
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
+from collections.abc import Set as AbstractSet
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -147,6 +148,10 @@ class Catalogue:
     def picture(self, log_id: str) -> Path:
         """Return the path of the picture of a log's map; it may not exist yet."""
         return self._pictures / f"{log_id}.png"
+
+    def pictured(self) -> AbstractSet[str]:
+        """Return the ids of all logs of which there is a picture; reads a folder, which is for a thread."""
+        return {path.stem for path in self._pictures.iterdir() if path.suffix == ".png"}
 
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""

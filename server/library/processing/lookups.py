@@ -10,6 +10,7 @@ from typing import Generic, TypeVar
 from server.jobs.process import BoundedJob
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
+from server.library.processing.reading_jobs import unreadable
 from server.library.processing.recording_worker import RecordingWorker
 
 T = TypeVar("T")
@@ -46,7 +47,8 @@ class Lookups(Generic[T]):
         """Return the result for a key; if it is unknown, start computing it, and return the completed share.
 
         ``job`` creates the job from the recording's path. ``stored`` returns an earlier result, or None; a job that
-        stores its result returns None too. The job ends when no request asks for it. Raises its error, once.
+        stores its result returns None too. The job ends when no request asks for it. Raises its error, once, and
+        :class:`ReadError` if the stored result cannot be read here.
         """
         running = self._running.get(key)
         if running is None:
@@ -60,10 +62,15 @@ class Lookups(Generic[T]):
         if running.task.done():
             del self._running[key]
             running.timer.cancel()
-            result = None if running.task.cancelled() else running.task.result()
-            if result is not None:
-                self._keep(key, result)
-            return await self.look_up(key, record, visitor, address, job, stored)
+            if running.task.cancelled():
+                return await self.look_up(key, record, visitor, address, job, stored)
+            result = running.task.result()
+            if result is None and stored is not None:
+                result = await stored()
+            if result is None:  # not begun again: it would be stored in the same way
+                raise unreadable()
+            self._keep(key, result)
+            return result
         running.timer.cancel()
         running.timer = self._timer(running.task)
         return self._worker.progress if self._at_work == key else 0.0

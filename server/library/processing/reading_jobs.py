@@ -241,3 +241,15 @@ def full() -> LimitError:
 def unstored() -> ReadError:
     """Return the error for a log whose data could not be stored."""
     return ReadError(UNSTORED, "What was read of the log could not be stored; try again.")
+
+
+def unreadable() -> ReadError:
+    """Return the error for a log of which what a process has just read and stored is none that this service reads.
+
+    The processes that read are of the installed version; a service that was not restarted since is of an older one.
+    """
+    return ReadError(
+        "log.other_version",
+        "What was read of the log is stored as another version of Gridbloom stores it: restart the service, which is "
+        "older than what is installed, then open the log again.",
+    )

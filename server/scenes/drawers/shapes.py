@@ -14,7 +14,7 @@ class PointsDrawer(Drawer[Points, Points]):
     """Sends points and colours in one message if they changed, otherwise only a changed pose or clip box.
 
     viser clips nothing. ``static/src/pages/scene.ts`` reads the corners of the clip box from the positions of two nodes
-    next to the cloud, and passes viser's client the points in between.
+    next to the cloud, and makes viser's client draw the points in between.
     """
 
     def __init__(self, context: DrawerContext, drawing: Points) -> None:

@@ -1,6 +1,6 @@
 /**
  * Script of the 3D view, inserted by server/scenes/proxy.py before those of viser's client: it makes glTF files of the
- * chunks of voxels, and clips point clouds, before the client reads the messages that they are in. The client begins
+ * chunks of voxels before the client reads the messages that they are in, and clips point clouds as they are drawn. The client begins
  * with the camera that the tab has kept, which viser takes from the query of the address. Before the first camera that a
  * person has moved the server is told that this one is not to be aimed again (server/scenes/scene.py).
  *
@@ -15,7 +15,7 @@
  * In a browser without WebGL 2 the client would log errors and leave the view empty: a sentence is shown instead.
  */
 
-import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds";
+import { ClippedClouds, clippingShader, type NodeMessage, PointClipper } from "../render/voxels/clippedClouds";
 import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
@@ -25,11 +25,12 @@ import { UntilTold } from "./sceneTold";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
 interface SceneMessage extends NodeMessage {
-  readonly props?: { glb_data?: unknown; points?: unknown; colors?: unknown };
+  readonly props?: { glb_data?: unknown; readonly points?: unknown };
 }
 
 const firstCamera = new FirstCamera();
 const clouds = new ClippedClouds();
+const clipper = new PointClipper(clouds);
 const budget = new PointBudget();
 
 /** Start of the present animation frame, ms; constant within it. */
@@ -59,6 +60,18 @@ function show(isShown: boolean): void {
 /** A frame that only adds points draws nothing else on the canvas and does not clear it. */
 const gl = WebGL2RenderingContext.prototype;
 const { clear, drawArrays, drawArraysInstanced, drawElements, drawElementsInstanced } = gl;
+const { bufferData, bufferSubData, shaderSource } = gl;
+gl.shaderSource = function compile(shader, source): void {
+  shaderSource.call(this, shader, clippingShader(source));
+};
+gl.bufferData = function write(...given: unknown[]): void {
+  Reflect.apply(bufferData, this, given);
+  clipper.wrote(this, given[1]);
+};
+gl.bufferSubData = function write(...given: unknown[]): void {
+  Reflect.apply(bufferSubData, this, given);
+  clipper.wrote(this, given[2]);
+};
 let size = "";
 function skips(context: WebGL2RenderingContext): boolean {
   if (context.getParameter(context.FRAMEBUFFER_BINDING)) return false;
@@ -73,6 +86,7 @@ gl.clear = function clearAll(mask): void {
 // Three.js draws a cloud with one call.
 gl.drawArrays = function draw(mode, first, count): void {
   if (mode === this.POINTS) {
+    clipper.prepare(this);
     const slice = budget.take(count, frameTime());
     if (budget.lacks) requestAnimationFrame(goOn);
     drawArrays.call(this, mode, first + slice.first, slice.count);
@@ -110,7 +124,7 @@ function expand({ data, currentTarget }: WorkerMessage): void {
   if (waiting.isTold(data?.messages ?? [], firstCamera.isKnown, camera.isMoved)) {
     requestAnimationFrame(() => requestAnimationFrame(() => show(true)));
   }
-  clouds.take(data?.messages ?? []);
+  if (clouds.take(data?.messages ?? [])) budget.moved(); // a face of the box is dragged: quick frames, as for a camera
   for (const { props } of data?.messages ?? []) {
     const file = props?.glb_data;
     if (props && file instanceof Uint8Array && isVoxelChunk(file)) props.glb_data = voxelGlb(decodeVoxels(file));

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import signal
 import threading
@@ -21,6 +22,7 @@ from mapper.grid.metrics import map_metrics
 from mapper.io.contents.downsampling import min_max
 from mapper.mapping.integrate import geometry_for, integrate_log
 from server.jobs.process import BoundedJob, JobLimits
+from server.library.packs.arrays import write_arrays
 from server.sessions.parts import Recording
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -186,6 +188,37 @@ class HeldUpJob(BoundedJob[None]):
         self.begun.with_suffix(".half").write_text(str(os.getpid()))
         self.begun.with_suffix(".half").rename(self.begun)
         signal.pause()
+
+
+def _looked_at(service: Service, session: str) -> dict[str, Any]:
+    """Return the answer to the question what the recording holds, once it is not that this is being found out."""
+    answers: list[Any] = []
+
+    def is_known() -> bool:
+        answers.append(service.http.get(f"/api/sessions/{session}/contents"))
+        return bool(answers[-1].status_code != 202)
+
+    until(is_known)
+    return dict(answers[-1].json())
+
+
+def test_contents_of_another_version_are_found_out_again(tmp_path: Path) -> None:
+    data = recorded.mcap_bytes(robot(1))
+    with running(settings_for(tmp_path)) as service:
+        session = opened(service, "run.mcap", data)
+        assert _looked_at(service, session)["state"] == "ready"
+        (kept,) = tmp_path.rglob("*.contents.npz")
+        # as a later version of the service has stored it
+        with np.load(kept) as arrays:
+            about = json.loads(arrays["about"].tobytes())
+            others = {name: arrays[name] for name in arrays if name != "about"}
+        write_arrays(kept, json.dumps(about | {"version": about["version"] + 1}), others)
+        visitor = dict(service.http.cookies)
+    with running(settings_for(tmp_path)) as service:
+        service.http.cookies.update(visitor)
+        (log,) = (log for log in service.http.get("/api/logs").json()["logs"] if log["name"] == "run.mcap")
+        session = service.begin(kind="log", log=log["id"], playing=False)
+        assert _looked_at(service, session)["state"] == "ready"
 
 
 def test_a_text_log_and_a_world(service: Service) -> None:

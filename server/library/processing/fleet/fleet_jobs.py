@@ -11,6 +11,7 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields
 from typing import Literal, get_args
 
@@ -191,8 +192,13 @@ class FleetJobs:
         """End the queued or running jobs of these logs. Results are kept."""
         await self._queue.stop_all([(log.owner, log.id) for log in logs])
 
-    def state(self, logs: Sequence[Record], since: int = 0) -> FleetState:
-        """Return the numbers of these logs by state, and those that have changed since a revision."""
+    def state(self, logs: Sequence[Record], since: int = 0, pictured: AbstractSet[str] | None = None) -> FleetState:
+        """Return the numbers of these logs by state, and those that have changed since a revision.
+
+        ``pictured`` are the ids of the logs with pictures, see :meth:`Catalogue.pictured`; by default looked up.
+        """
+        if pictured is None:
+            pictured = self._catalogue.pictured()
         whole = since <= self._whole or since > self._revision
         counts = dict.fromkeys(get_args(FleetLogState), 0)
         shown = []
@@ -205,8 +211,7 @@ class FleetJobs:
                 fraction = round(self._queue.fraction(key), 3) if state == "running" else 0.0
                 error, facts = (None, None) if record is None else (record.error, record.result)
                 by = "" if record is None else record.request.options.in_words
-                has_picture = self._catalogue.picture(log.id).exists()
-                shown.append(FleetLog(log.id, log.name, state, has_picture, fraction, error, facts, by))
+                shown.append(FleetLog(log.id, log.name, state, log.id in pictured, fraction, error, facts, by))
         cluster = None if self._cluster is None else self._cluster.state
         return FleetState(self._revision, whole, self.places, cluster, counts, shown)
 

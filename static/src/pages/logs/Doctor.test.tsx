@@ -4,7 +4,7 @@ import { afterEach, describe, expect, it, test, vi } from "vitest";
 import { Store } from "../../store/store";
 import type { LogEvent } from "../../wire/http";
 import type { Command } from "../../wire/protocol";
-import { confidenceLabel, Events, examine, isLongEnough, measureOf, standsStill, wellLabel } from "./Doctor";
+import { confidenceLabel, Events, examine, isLongEnough, measureOf, momentsOf, standsStill, wellLabel } from "./Doctor";
 import { PUSH } from "./push.fixture";
 
 // @vitest-environment happy-dom
@@ -63,6 +63,13 @@ test("a log is examined unasked only if the server will not refuse it", () => {
   expect([9, 10].map((n_scans) => isLongEnough({ n_scans, topic: "/scan" }))).toEqual([false, true]);
   expect([19, 20].map((n_scans) => isLongEnough({ n_scans, topic: "/ahead + /astern" }))).toEqual([false, true]);
   expect(isLongEnough(null)).toBe(false);
+});
+
+test("the best six moments of a finding are listed in the order of time", () => {
+  const scans = [40, 35, 36, 37, 38, 39, 1];
+  const moments = momentsOf({ scans, seconds: scans.map((scan) => scan / 5) });
+  expect(moments.map(({ scan }) => scan)).toEqual([35, 36, 37, 38, 39, 40]);
+  expect(moments[0]?.seconds).toBe(7);
 });
 
 test("surety in words", () => {

@@ -337,8 +337,16 @@ interface FindingProps {
   readonly onCorrectPoses?: () => void;
 }
 
+const MOST_MOMENTS = 6;
+
+/** The moments that show a finding best, in the order of time. */
+export function momentsOf({ scans, seconds }: Pick<FindingAnswer, "scans" | "seconds">) {
+  const best = scans.slice(0, MOST_MOMENTS).map((scan, n) => ({ scan, seconds: seconds[n] ?? 0 }));
+  return best.sort((a, b) => a.scan - b.scan);
+}
+
 function FindingItem({ finding, store, onCorrectPoses }: FindingProps) {
-  const { parameters, scans } = finding;
+  const { parameters } = finding;
   const values = store.mapping.values.value;
   const tried = parameters !== null && Object.entries(parameters).every(([name, value]) => values[name] === value);
   return (
@@ -360,8 +368,8 @@ function FindingItem({ finding, store, onCorrectPoses }: FindingProps) {
             {tried ? "Applied to the map" : "Apply to the map"}
           </Button>
         )}
-        {scans.slice(0, 6).map((scan, n) => (
-          <TimeButton key={scan} store={store} seconds={finding.seconds[n] ?? 0} scan={scan} />
+        {momentsOf(finding).map(({ scan, seconds }) => (
+          <TimeButton key={scan} store={store} seconds={seconds} scan={scan} />
         ))}
       </div>
     </li>

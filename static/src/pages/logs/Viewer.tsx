@@ -34,6 +34,7 @@ import { NoteCard, NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { TimelinePlots } from "./plots/TimelinePlots";
 import { useTimelinePlots } from "./plots/timelinePlots";
+import { useScanSeries } from "./plots/useScanSeries";
 import { useSensor } from "./sensor/useSensor";
 import { applySharedView, applyShown, type GuestOfLink, sharedViewOf, shownOf } from "./share/shown";
 import { CorrectionOffer } from "./slam/CorrectionOffer";
@@ -44,6 +45,9 @@ import { showColumn, ViewerFrame, ViewerStatus } from "./ViewerFrame";
 import { Solid } from "./views/solid";
 import { hasCamera, KINDS, lastLayout, MAP_ALONE, PLOTS_VIEW, presetsFor, viewsOf } from "./views/views";
 import { OpenIn3d } from "./volume/OpenIn3d";
+
+/** The number of scans in the map of a log whose session ended on the server, by its id: the next session goes there. */
+const reached = new Map<string, number>();
 
 interface ViewerProps {
   readonly session: string;
@@ -72,6 +76,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store, given?.note ?? undefined);
   const plots = useTimelinePlots(given?.plots);
+  const scans = useScanSeries(store, session, plots.zoom);
   const solid = useMemo(() => {
     const open = (ending: AbortSignal) =>
       openSession(store.hello.peek()?.log?.id ?? "", null, ending, { other: null, up: null });
@@ -113,7 +118,16 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   useSignalEffect(() => {
     if (status.value !== "gone" || !reopens) return;
     toast("The session had ended on the server. The log was opened again with default parameters.");
+    const [log, frame] = [store.hello.peek()?.log, store.frame.peek()];
+    if (log && frame) reached.set(log.id, frame.index);
     onGone();
+  });
+  useSignalEffect(() => {
+    const id = store.hello.value?.log?.id ?? "";
+    const index = reached.get(id);
+    if (index === undefined || guest) return;
+    reached.delete(id);
+    store.goTo(index);
   });
   useSignalEffect(() => {
     const notice = store.notice.value;
@@ -206,6 +220,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
               fields,
               onPlot,
               zoom: plots.zoom,
+              scans,
               onCorrectPoses,
               sharedView: () => sharedViewOf(store, picture),
               shown: () =>
@@ -255,7 +270,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
             lines={lines}
             plots={plots}
           />
-          {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
+          {plots.isOpen.value && <TimelinePlots {...{ store, session, scans }} state={plots} />}
           <div class="viewer-readout">
             {comparison.isOn.value ? (
               <CompareReadout store={store} summedOver={comparison.summedOver.value} />

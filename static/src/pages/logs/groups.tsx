@@ -13,9 +13,11 @@ import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
 import { useAttempts } from "../../ui/browser/attempts";
 import type { DockGroup } from "../../ui/dock/Dock";
+import { Failure } from "../../ui/Failure";
+import { saveAs } from "../../ui/files/saveAs";
 import { lazy } from "../../ui/lazy";
 import { Panel } from "../../ui/Panel";
-import { ask, fileAddress } from "../../wire/ask";
+import { ask, fetched, fileAddress } from "../../wire/ask";
 import type { MapAnswer, TrajectoryErrors } from "../../wire/http";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
@@ -35,6 +37,7 @@ import { Messages } from "./messages/Messages";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Overview } from "./overview/Overview";
+import type { ScanSeriesState } from "./plots/useScanSeries";
 import { Settings } from "./Settings";
 import type { SensorState } from "./sensor/useSensor";
 import type { Shown } from "./share/links";
@@ -88,6 +91,24 @@ function TerrainChoice({ store, session }: TerrainChoiceProps) {
   );
 }
 
+/** The report as PDF, which takes the server some seconds to typeset. */
+function PdfReport({ session, title }: { readonly session: string; readonly title: string }) {
+  const { isBusy, failure, attempt } = useAttempts();
+  const make = (): Promise<void> =>
+    attempt(async () => {
+      const answer = await fetched(fileAddress(session, "report.pdf"));
+      saveAs(`${title}.pdf`, await answer.blob());
+    });
+  return (
+    <>
+      <Button icon="file" disabled={isBusy.value} onClick={() => void make()}>
+        {isBusy.value ? "Making the PDF …" : "Report as PDF"}
+      </Button>
+      <Failure why={failure.value} />
+    </>
+  );
+}
+
 /** The map as files and, except for a guest, the trajectory. */
 export function Downloads({
   session,
@@ -113,9 +134,7 @@ export function Downloads({
             <Button icon="file" href={fileAddress(session, "report")} target="_blank">
               Report
             </Button>
-            <Button icon="file" href={fileAddress(session, "report.pdf")} target="_blank">
-              Report as PDF
-            </Button>
+            <PdfReport session={session} title={title} />
             <EditMap session={session} name={title} />
           </>
         )}
@@ -157,6 +176,7 @@ interface LogView {
   readonly onPlot: (topic: string, field: string) => void;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
+  readonly scans: ScanSeriesState;
   /** Start SLAM of the log, and open the group that shows it. */
   readonly onCorrectPoses: () => void;
   readonly notes: NotesState;
@@ -208,7 +228,7 @@ const GROUPS: readonly Group[] = [
     content: (view) => (
       <Overview
         store={view.store}
-        session={view.session}
+        scans={view.scans}
         doctor={view.doctor}
         zoom={view.zoom}
         {...(view.isGuest ? {} : { onCorrectPoses: view.onCorrectPoses })}

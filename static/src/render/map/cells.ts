@@ -124,13 +124,18 @@ export class Cells {
   /** Count cells by class: `free` below and `occupied` above two bytes, `undecided` between; cells never observed are not counted. */
   count(below: number, above: number): { free: number; undecided: number; occupied: number } {
     const counts = { free: 0, undecided: 0, occupied: 0 };
+    this.histogram().forEach((count, byte) => {
+      if (byte === NEVER) return;
+      counts[byte < below ? "free" : byte > above ? "occupied" : "undecided"] += count;
+    });
+    return counts;
+  }
+
+  /** The number of cells of each byte (256,). The count of {@link NEVER} is that of the chunks, which may be larger than the map. */
+  histogram(): Uint32Array {
+    const counts = new Uint32Array(256);
     for (const chunk of this.#chunks.values()) {
-      for (const byte of chunk.pyramid[0] as Uint8Array) {
-        if (byte === NEVER) continue;
-        if (byte < below) counts.free++;
-        else if (byte > above) counts.occupied++;
-        else counts.undecided++;
-      }
+      for (const byte of chunk.pyramid[0] as Uint8Array) counts[byte] = (counts[byte] as number) + 1;
     }
     return counts;
   }

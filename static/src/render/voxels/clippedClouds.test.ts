@@ -1,12 +1,11 @@
 import { expect, test } from "vitest";
-import { ClippedClouds, clipped, type NodeMessage } from "./clippedClouds";
+import { ClippedClouds, clippingShader, type NodeMessage, PointClipper } from "./clippedClouds";
 
-const POINTS = new Float32Array([0, 0, 0, 1, 2, 3, -1, 0.5, 2]);
-const COLORS = new Uint8Array([1, 2, 3, 4, 5, 6, 7, 8, 9]);
-const cloud = (): NodeMessage => ({
+const POINTS = new Float32Array([0, 0, 0, 1, 2, 3]);
+const cloud = (points = POINTS): NodeMessage => ({
   type: "PointCloudMessage",
   name: "/points/points",
-  props: { points: POINTS, colors: COLORS },
+  props: { points },
 });
 const corner = (end: string, position: readonly number[]): NodeMessage => ({
   type: "SetPositionMessage",
@@ -14,37 +13,58 @@ const corner = (end: string, position: readonly number[]): NodeMessage => ({
   position,
 });
 
-test("points within the box are kept with their colours, its bounds included", () => {
-  const kept = clipped({ points: POINTS, colors: COLORS }, [-1, 0, 0], [0.5, 2, 2]);
-  expect([...kept.points]).toEqual([0, 0, 0, -1, 0.5, 2]);
-  expect([...kept.colors]).toEqual([1, 2, 3, 7, 8, 9]);
-  const first = new Uint8Array([1, 2, 3]);
-  expect(clipped({ points: POINTS, colors: first }, [-1, 0, 0], [0.5, 2, 2]).colors).toBe(first);
+test("the box of a cloud is that of the node which it is in; its points are not copied", () => {
+  const clouds = new ClippedClouds();
+  const messages = [corner("low", [-9, -9, -9]), cloud()];
+  clouds.take(messages);
+  expect(messages[1]?.props?.points).toBe(POINTS);
+  expect(clouds.pathOf(POINTS)).toBe("/points");
+  expect(clouds.pathOf(POINTS.slice())).toBeUndefined();
+  expect(clouds.boxOf("/points")).toBeNull(); // a corner is missing
+  clouds.take([corner("high", [9, 9, 1])]);
+  expect(clouds.boxOf("/points")).toEqual({ low: [-9, -9, -9], high: [9, 9, 1] });
+  expect(clouds.take([corner("high", [9, 9, 2])])).toBe(true);
+  expect(clouds.take([cloud()])).toBe(false);
+  expect(clouds.boxOf("/points")?.high).toEqual([9, 9, 2]);
+  clouds.take([{ type: "RemoveSceneNodeMessage", name: "/points" }]);
+  expect(clouds.boxOf("/points")).toBeNull();
 });
 
-test("a cloud is clipped when it comes, and again from all of its points when the box changes", () => {
-  const clouds = new ClippedClouds();
-  const first = [corner("low", [-9, -9, -9]), corner("high", [9, 9, 1]), cloud()];
-  clouds.take(first);
-  expect(first[2]?.props?.points).toEqual(new Float32Array([0, 0, 0]));
-  expect(first).toHaveLength(3);
-  const wider = [corner("high", [9, 9, 2])];
-  clouds.take(wider);
-  expect(wider[1]).toEqual({
-    type: "SceneNodeUpdateMessage",
-    name: "/points/points",
-    owner: "",
-    updates: { points: new Float32Array([0, 0, 0, -1, 0.5, 2]), colors: new Uint8Array([1, 2, 3, 7, 8, 9]) },
-  });
+test("the shader of points tests the box at the end of its function, and no other shader does", () => {
+  const points = "uniform float scale;\nvoid main() { gl_PointSize = scale; }\n";
+  const clipping = clippingShader(points);
+  expect(clipping).toMatch(/uniform highp vec3 clip_low;\nuniform highp vec3 clip_high;\nvoid main\(\) \{/);
+  expect(clipping).toMatch(/gl_PointSize = scale;\s+if \(any\(lessThan\(position, clip_low\)\)[^}]*\}\n$/);
+  const mesh = "void main() { gl_Position = vec4(position, 1.0); }";
+  expect(clippingShader(mesh)).toBe(mesh);
 });
 
-test("a cloud without a box stays whole, and one that is removed is forgotten", () => {
+test("each cloud is drawn with its box, and one without a box whole", () => {
   const clouds = new ClippedClouds();
-  const whole = [cloud()];
-  clouds.take(whole);
-  expect(whole[0]?.props?.points).toBe(POINTS);
-  const boxed = [corner("low", [0, 0, 0]), corner("high", [1, 1, 1])];
-  clouds.take([{ type: "RemoveSceneNodeMessage", name: "/points/points" }]);
-  clouds.take(boxed);
-  expect(boxed).toHaveLength(2);
+  const clipper = new PointClipper(clouds);
+  const bare = new Float32Array(3);
+  clouds.take([cloud(), corner("low", [0, 0, 0]), corner("high", [1, 1, 1])]);
+  clouds.take([{ type: "PointCloudMessage", name: "/features/points", props: { points: bare } }]);
+  const [program, ours, other] = [{}, {}, {}];
+  let [bound, drawn]: object[] = [ours, ours];
+  const set: Record<string, readonly number[]> = {};
+  const gl = {
+    ARRAY_BUFFER_BINDING: 1,
+    CURRENT_PROGRAM: 2,
+    getParameter: (name: number) => (name === 1 ? bound : program),
+    getUniformLocation: (_: object, name: string) => name,
+    getAttribLocation: () => 0,
+    getVertexAttrib: () => drawn,
+    uniform3fv: (name: string, value: readonly number[]) => {
+      set[name] = value;
+    },
+  } as unknown as WebGL2RenderingContext;
+  clipper.wrote(gl, POINTS);
+  bound = other;
+  clipper.wrote(gl, bare);
+  clipper.prepare(gl);
+  expect(set).toEqual({ clip_low: [0, 0, 0], clip_high: [1, 1, 1] });
+  drawn = other;
+  clipper.prepare(gl);
+  expect(set.clip_high?.every((value) => value > 1e38)).toBe(true);
 });

@@ -1,91 +1,115 @@
-/** Point clouds that are clipped in the browser: viser's client is given the points within the box. */
+/**
+ * Point clouds that are clipped while they are drawn: the points outside of a box are discarded in the vertex shader, so
+ * that another box takes two uniforms, and no point is copied.
+ */
 
 /** A message of viser about a node of the scene; only what concerns clipped clouds. */
 export interface NodeMessage {
   readonly type?: string;
   readonly name?: string;
   readonly position?: readonly number[];
-  readonly props?: { points?: unknown; colors?: unknown };
-  readonly updates?: { readonly points?: Float32Array; readonly colors?: Uint8Array };
-  readonly owner?: string;
+  readonly props?: { readonly points?: unknown };
 }
 
-interface Cloud {
-  readonly points: Float32Array;
-  /** Of each point, or one colour for all. */
-  readonly colors: Uint8Array;
-}
-
-/** A cloud as it was sent, and of which connection its node is. */
-interface SentCloud extends Cloud {
-  readonly owner: string;
-}
-
-interface Clip {
-  low?: readonly number[];
-  high?: readonly number[];
+/** The corners of a box, metres in the frame of the cloud; points on its faces are inside. */
+export interface ClipCorners {
+  readonly low: readonly number[];
+  readonly high: readonly number[];
 }
 
 const CORNER = /^(.*)\/clip_(low|high)$/;
 
-/** The points of a cloud whose coordinates are between the corners, these included, with their colours. */
-export function clipped({ points, colors }: Cloud, low: readonly number[], high: readonly number[]): Cloud {
-  const [x0 = 0, y0 = 0, z0 = 0] = low;
-  const [x1 = 0, y1 = 0, z1 = 0] = high;
-  const inBox = new Float32Array(points.length);
-  const isOne = colors.length !== points.length;
-  const keptColors = new Uint8Array(isOne ? 0 : colors.length);
-  let end = 0;
-  for (let at = 0; at < points.length; at += 3) {
-    const x = points[at] as number;
-    const y = points[at + 1] as number;
-    const z = points[at + 2] as number;
-    if (!(x >= x0 && x <= x1 && y >= y0 && y <= y1 && z >= z0 && z <= z1)) continue;
-    for (let k = 0; k < 3; k++) {
-      inBox[end + k] = points[at + k] as number;
-      if (!isOne) keptColors[end + k] = colors[at + k] as number;
-    }
-    end += 3;
-  }
-  return { points: inBox.slice(0, end), colors: isOne ? colors : keptColors.slice(0, end) };
-}
-
-/** Remembers the clouds of a scene and their clip boxes. */
+/** The clip boxes of a scene, and their clouds. */
 export class ClippedClouds {
-  readonly #clouds = new Map<string, SentCloud>();
-  readonly #clips = new Map<string, Clip>();
+  readonly #corners = new Map<string, Partial<ClipCorners>>();
+  readonly #paths = new WeakMap<Float32Array, string>();
 
-  /** Clip the clouds in messages of viser, and add messages about known clouds whose box has changed. */
-  take(messages: NodeMessage[]): void {
-    const changed = new Set<string>();
-    for (const { type, name, owner = "", position, props } of messages) {
+  /** Note the clouds and the corners of boxes in messages of viser; return whether a box has changed. */
+  take(messages: readonly NodeMessage[]): boolean {
+    let isChanged = false;
+    for (const { type, name, position, props } of messages) {
       if (name === undefined) continue;
       const corner = type === "SetPositionMessage" && position ? CORNER.exec(name) : null;
       if (corner) {
-        const [, path = "", end] = corner;
-        const clip = this.#clips.get(path) ?? {};
-        clip[end as "low" | "high"] = position as readonly number[];
-        this.#clips.set(path, clip);
-        changed.add(`${path}/points`);
+        const [, path = "", end = ""] = corner;
+        this.#corners.set(path, { ...this.#corners.get(path), [end]: position });
+        isChanged = true;
       } else if (type === "PointCloudMessage" && props?.points instanceof Float32Array) {
-        this.#clouds.set(name, { points: props.points, colors: props.colors as Uint8Array, owner });
-        Object.assign(props, this.#clip(name));
-        changed.delete(name);
-      } else if (type === "RemoveSceneNodeMessage") {
-        this.#clouds.delete(name);
-        this.#clips.delete(name);
-      }
+        this.#paths.set(props.points, name.slice(0, name.lastIndexOf("/")));
+      } else if (type === "RemoveSceneNodeMessage") this.#corners.delete(name);
     }
-    for (const name of changed) {
-      const updates = this.#clip(name);
-      const owner = this.#clouds.get(name)?.owner;
-      if (updates && owner !== undefined) messages.push({ type: "SceneNodeUpdateMessage", name, owner, updates });
-    }
+    return isChanged;
   }
 
-  #clip(name: string): Cloud | null {
-    const cloud = this.#clouds.get(name);
-    const { low, high } = this.#clips.get(name.slice(0, name.lastIndexOf("/"))) ?? {};
-    return cloud && low && high ? clipped(cloud, low, high) : null;
+  /** The path of the node whose cloud has these points; undefined for other numbers. */
+  pathOf(points: unknown): string | undefined {
+    return points instanceof Float32Array ? this.#paths.get(points) : undefined;
+  }
+
+  /** The box of the cloud at a path; null without one. */
+  boxOf(path: string): ClipCorners | null {
+    const { low, high } = this.#corners.get(path) ?? {};
+    return low && high ? { low, high } : null;
+  }
+}
+
+/** The vertex shader with which viser's client draws clouds, with the test of the box at its end; any other as it is. */
+export function clippingShader(source: string): string {
+  const end = source.lastIndexOf("}");
+  if (!/gl_PointSize\s*=/.test(source) || !/void\s+main\s*\(\s*\)/.test(source) || end < 0) return source;
+  const main = source.search(/void\s+main\s*\(\s*\)/);
+  return `${source.slice(0, main)}uniform highp vec3 clip_low;
+uniform highp vec3 clip_high;
+${source.slice(main, end)}
+  if (any(lessThan(position, clip_low)) || any(greaterThan(position, clip_high))) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+}${source.slice(end + 1)}`;
+}
+
+/** Of a program that draws clouds. */
+interface Places {
+  readonly low: WebGLUniformLocation;
+  readonly high: WebGLUniformLocation;
+  readonly position: number;
+}
+
+const WHOLE: ClipCorners = { low: [-3e38, -3e38, -3e38], high: [3e38, 3e38, 3e38] };
+
+/** Sets the box of each cloud before it is drawn. */
+export class PointClipper {
+  readonly #clouds: ClippedClouds;
+  readonly #places = new WeakMap<WebGLProgram, Places | null>();
+  readonly #paths = new WeakMap<WebGLBuffer, string>();
+
+  constructor(clouds: ClippedClouds) {
+    this.#clouds = clouds;
+  }
+
+  /** `data` is written to the array buffer that is bound. */
+  wrote(gl: WebGL2RenderingContext, data: unknown): void {
+    const path = this.#clouds.pathOf(data);
+    const buffer: WebGLBuffer | null = path === undefined ? null : gl.getParameter(gl.ARRAY_BUFFER_BINDING);
+    if (buffer && path !== undefined) this.#paths.set(buffer, path);
+  }
+
+  /** The points of the vertex array that is bound are about to be drawn. */
+  prepare(gl: WebGL2RenderingContext): void {
+    const program: WebGLProgram | null = gl.getParameter(gl.CURRENT_PROGRAM);
+    const places = program && this.#placesOf(gl, program);
+    if (!places) return;
+    const buffer: WebGLBuffer | null = gl.getVertexAttrib(places.position, gl.VERTEX_ATTRIB_ARRAY_BUFFER_BINDING);
+    const path = buffer ? this.#paths.get(buffer) : undefined;
+    const { low, high } = (path === undefined ? null : this.#clouds.boxOf(path)) ?? WHOLE;
+    gl.uniform3fv(places.low, low);
+    gl.uniform3fv(places.high, high);
+  }
+
+  #placesOf(gl: WebGL2RenderingContext, program: WebGLProgram): Places | null {
+    const known = this.#places.get(program);
+    if (known !== undefined) return known;
+    const low = gl.getUniformLocation(program, "clip_low");
+    const high = gl.getUniformLocation(program, "clip_high");
+    const places = low && high ? { low, high, position: gl.getAttribLocation(program, "position") } : null;
+    this.#places.set(program, places);
+    return places;
   }
 }

@@ -1,6 +1,6 @@
 /**
  * How many points of clouds are drawn: in a frame as many as are drawn quickly, by the time that frames have taken. While
- * the camera rests, each frame adds the next ones to the picture, until all are in it. Clouds are in random order, so
+ * the camera and the clip boxes rest, each frame adds the next ones to the picture, until all are in it. Clouds are in random order, so
  * that the first of their points are a sample of all.
  */
 
@@ -42,7 +42,7 @@ export class PointBudget {
   #from = 0;
   #to = 1;
 
-  /** The camera has moved, or is about to in the next frame. */
+  /** The camera or a clip box has moved, or is about to in the next frame. */
   moved(): void {
     this.#hasMoved = true;
   }

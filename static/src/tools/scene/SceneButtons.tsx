@@ -1,5 +1,6 @@
 /** The buttons of a 3D view's cameras and layers. */
 
+import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -35,12 +36,14 @@ const GESTURES =
 interface SceneButtonsProps {
   readonly store: Store;
   readonly session: string;
+  /** Tools: between the cameras and the layers, so that a narrow view has them at hand. */
+  readonly children?: ComponentChildren;
 }
 
-export function SceneButtons({ store, session }: SceneButtonsProps) {
+export function SceneButtons({ store, session, children }: SceneButtonsProps) {
   const now = store.part("scene").message.value;
   const id = useId();
-  if (!now) return null; // all of them appear at once, so that none moves when others appear
+  if (!now) return null; // the tools as well: all appear at once, so that none moves when others appear
   const change = (wanted: SceneSettings): void => void changeScene(session, wanted);
   const cameras = now.cameras.map((camera) => ({
     camera,
@@ -57,6 +60,7 @@ export function SceneButtons({ store, session }: SceneButtonsProps) {
         <CameraMenu options={cameras} onChoose={(camera) => change({ camera })} />
         <Tooltip id={id} about="the gestures" text={GESTURES} />
       </fieldset>
+      {children}
       <fieldset class="actions" aria-label="Layers">
         {Object.entries(now.layers).map(([label, isShown]) => (
           <Button key={label} pressed={isShown} onClick={() => change({ layers: { [label]: !isShown } })}>

@@ -31,13 +31,14 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
       )}
       <MeasuringIn3d store={store} snaps={false} />
       <div class="volume-buttons">
-        <SceneButtons store={store} session={session} />
-        <div class="actions">
-          <MeasuringButtons store={store} />
-        </div>
-        {look && <ClipHandles look={look} />}
-        <Button icon="download" label="Save the picture as PNG" onClick={() => savePicture(group.current)} />
-        <Button icon="fit" label="Full screen" onClick={() => fullScreen(group.current)} />
+        <SceneButtons store={store} session={session}>
+          <div class="actions">
+            <MeasuringButtons store={store} />
+            {look && <ClipHandles look={look} />}
+            <Button icon="download" label="Save the picture as PNG" onClick={() => savePicture(group.current)} />
+            <Button icon="fit" label="Full screen" onClick={() => fullScreen(group.current)} />
+          </div>
+        </SceneButtons>
       </div>
     </div>
   );

@@ -80,7 +80,7 @@ function OfTopic({ store, session, pictured, topics }: PicturesProps & { readonl
         <figure>
           <Marked src={shown.address} alt={`${topic} at ${shownTime(store, shown.seconds)}`} sight={sight} />
           <figcaption class="quiet">
-            {shownTime(store, shown.seconds)}, {signed(shown.seconds - at, 3)} s from the moment of the map
+            {shownTime(store, shown.seconds)}, {beside(shown.seconds - at)}
             {shown.isCloud && "; the cloud from above, x up and y to the left, lighter is higher"}
             {sight?.where && `; the selected place, on the floor, ${IS_SEEN[sight.where]}`}
             {sight?.why && `; the selected place is not marked: ${sight.why}`}
@@ -90,6 +90,10 @@ function OfTopic({ store, session, pictured, topics }: PicturesProps & { readonl
     </div>
   );
 }
+
+/** How far a time is from the moment of the map, s. */
+const beside = (seconds: number): string =>
+  Math.abs(seconds) < 0.0005 ? "at the moment of the map" : `${signed(seconds, 3)} s from the moment of the map`;
 
 const IS_SEEN: Readonly<Record<NonNullable<CameraAnswer["where"]>, string>> = {
   inside: "is marked",

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { fragmentOf, viewOf } from "./CostmapViewer";
+import { cellsByMeaning, fragmentOf, viewOf } from "./CostmapViewer";
 
 // @vitest-environment happy-dom
 
@@ -17,4 +17,18 @@ test("what is no view is none", () => {
   expect(viewOf("#costmap=3&topic=/a&x=1&y=2")).toEqual(of);
   expect(viewOf("#costmap=3&topic=/a&x=1&y=2&scale=-1")).toEqual(of);
   expect(viewOf("#costmap=3&topic=/a&x=&y=2&scale=1")).toEqual(of);
+});
+
+test("cells are counted by the meaning of their costs; those that were not sent are without information", () => {
+  const bytes = new Uint32Array(256); // byte 0 is no information, 1 … 255 are the costs 0 … 254
+  for (const [cost, count] of [
+    [0, 5],
+    [1, 2],
+    [252, 1],
+    [253, 3],
+    [254, 4],
+  ] as const)
+    bytes[cost + 1] = count;
+  bytes[0] = 1000; // of the chunks, which are larger than the map
+  expect(cellsByMeaning(bytes, 20)).toEqual([5, 3, 3, 4, 5]);
 });

@@ -8,8 +8,10 @@ import { MapTools } from "../../../tools/measure/MapTools";
 import { BeliefView } from "../../../tools/picture/BeliefView";
 import { Dock } from "../../../ui/dock/Dock";
 import { LiveRegion } from "../../../ui/LiveRegion";
+import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import { Select } from "../../../ui/Select";
+import { timeText } from "../../../ui/timeText";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { Head } from "../Head";
@@ -55,24 +57,32 @@ export function viewOf(fragment: string): CostmapView | null {
 interface Meaning {
   /** The background that shows its colour on the map. */
   readonly token: string;
-  readonly costs: string;
+  readonly costs: readonly [first: number, last: number];
   readonly text: string;
 }
 
 const MEANINGS: readonly Meaning[] = [
-  { token: "var(--map-free)", costs: "0", text: "free" },
+  { token: "var(--map-free)", costs: [0, 0], text: "free" },
   {
     token: "linear-gradient(90deg, var(--cost-low), var(--cost-high))",
-    costs: "1 … 252",
+    costs: [1, 252],
     text: "near an obstacle",
   },
-  { token: "var(--cost-inscribed)", costs: "253", text: "inscribed: the robot touches an obstacle" },
-  { token: "var(--cost-lethal)", costs: "254", text: "lethal: an obstacle" },
-  { token: "var(--map-unobserved)", costs: "255", text: "no information" },
+  { token: "var(--cost-inscribed)", costs: [253, 253], text: "inscribed: the robot touches an obstacle" },
+  { token: "var(--cost-lethal)", costs: [254, 254], text: "lethal: an obstacle" },
+  { token: "var(--map-unobserved)", costs: [255, 255], text: "no information" },
 ];
 
 /** The cost of a cell's byte on the wire: byte 0 is no information, bytes 1 … 255 are 0 … 254. */
 const costOf = (byte: number): number => (byte === 0 ? 255 : byte - 1);
+
+/** The numbers of cells of a costmap in the ranges of {@link MEANINGS}, by the numbers of cells of each byte (256,). */
+export function cellsByMeaning(bytes: Uint32Array, cells: number): readonly number[] {
+  const known = MEANINGS.slice(0, -1).map(({ costs: [first, last] }) =>
+    bytes.subarray(first + 1, last + 2).reduce((sum, count) => sum + count, 0),
+  );
+  return [...known, known.reduce((rest, count) => rest - count, cells)];
+}
 
 /** A cost in words. */
 function meaningOf(cost: number): string {
@@ -209,19 +219,14 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
         <Dock
           label="About these costmaps"
           groups={[
-            { id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> },
-            ...(guest ? [] : [share]),
             {
-              id: "download",
-              title: "Download",
+              id: "costmap",
+              title: "Costmap",
               keeps: true,
               badge: null,
-              content: () => (
-                <Panel title="Download this costmap">
-                  <CostFiles session={session} />
-                </Panel>
-              ),
+              content: () => <About store={store} session={session} />,
             },
+            ...(guest ? [] : [share]),
           ]}
           open={openGroup}
         />
@@ -260,37 +265,113 @@ function showAddressed(store: Store): void {
   store.viewHeld.value = true;
 }
 
-/** The topic, the size of the grid, and what the colours mean. */
-function Facts({ store }: { readonly store: Store }) {
+interface AboutProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+/** The topic and the recording, the cells of the present costmap by their meaning, and its files. */
+function About({ store, session }: AboutProps) {
   const log = store.hello.value?.log ?? null;
-  const geometry = store.map.value?.geometry ?? null;
   return (
-    <Panel title="Costmap">
-      {log && log.trajectories.length > 1 && (
-        <label class="stack-tight">
-          <span>Topic</span>
-          <Select
-            value={log.trajectory}
-            options={log.trajectories.map(({ name }) => name)}
-            onChange={(name) => store.send({ type: "trajectory", name })}
-          />
-        </label>
-      )}
-      {log && (
-        <p class="quiet">
-          {log.trajectory}: {log.trajectories.find(({ name }) => name === log.trajectory)?.description}
-          {geometry && `, ${geometry.cols} × ${geometry.rows} cells of ${geometry.resolution} m`}
-        </p>
-      )}
-      <ul class="costmaps-key">
-        {MEANINGS.map(({ token, costs, text }) => (
-          <li key={text}>
-            <span class="costmaps-swatch" style={{ background: token }} aria-hidden="true" />
-            <span class="number">{costs}</span>
-            <span>{text}</span>
-          </li>
+    <>
+      <Panel title="Costmap">
+        {log && log.trajectories.length > 1 && (
+          <label class="stack-tight">
+            <span>Topic</span>
+            <Select
+              value={log.trajectory}
+              options={log.trajectories.map(({ name }) => name)}
+              onChange={(name) => store.send({ type: "trajectory", name })}
+            />
+          </label>
+        )}
+        <Facts store={store} />
+      </Panel>
+      <Panel title="Cells">
+        <CellsByCost store={store} />
+      </Panel>
+      <Panel title="Download this costmap">
+        <CostFiles session={session} />
+      </Panel>
+    </>
+  );
+}
+
+/** The facts of the recording and of the present costmap: names, and values. */
+function Facts({ store }: { readonly store: Store }) {
+  const log = store.hello.value?.log;
+  const geometry = store.map.value?.geometry;
+  if (!log) return null;
+  const { duration_s: duration, n_scans: count, start_s: start } = log;
+  const metres = (cells: number): string => written(cells * (geometry?.resolution ?? 0), 1);
+  const facts: readonly (readonly [name: string, value: string])[] = [
+    ["Topic", `${log.trajectory}: ${log.trajectories.find(({ name }) => name === log.trajectory)?.description ?? ""}`],
+    ...(duration > 0
+      ? [
+          ["Recorded", `${timeText(duration)}${start === null ? "" : `, from ${timeText(0, start)}`}`] as const,
+          ["Rate", `${written((count - 1) / duration, 1)} a second`] as const,
+        ]
+      : []),
+    ...(geometry
+      ? [
+          [
+            "Size",
+            `${metres(geometry.cols)} m × ${metres(geometry.rows)} m, ${geometry.cols} × ${geometry.rows} cells of ${geometry.resolution} m`,
+          ] as const,
+        ]
+      : []),
+  ];
+  return (
+    <dl class="log-facts" aria-label="Facts">
+      {facts.map(([name, value]) => (
+        <div key={name}>
+          <dt>{name}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
+
+/** An area in m²: less than 1 m² to the area of a cell of 1 cm. */
+const areaText = (area: number): string => `${written(area, area < 1 ? 4 : 2)} m²`;
+
+/** What the colours mean, and how many cells of the present costmap have them. */
+function CellsByCost({ store }: { readonly store: Store }) {
+  const counts = useMemo(
+    () =>
+      computed(() => {
+        const map = store.map.value;
+        void store.mapVersion.value;
+        return map && cellsByMeaning(map.cells.histogram(), map.geometry.rows * map.geometry.cols);
+      }),
+    [store],
+  ).value;
+  const cellArea = (store.map.value?.geometry.resolution ?? 0) ** 2;
+  return (
+    <table class="costmaps-key">
+      <thead>
+        <tr>
+          <th scope="col">Cost</th>
+          <th scope="col">Meaning</th>
+          <th scope="col">Cells</th>
+          <th scope="col">Area</th>
+        </tr>
+      </thead>
+      <tbody>
+        {MEANINGS.map(({ token, costs: [first, last], text }, n) => (
+          <tr key={text}>
+            <td class="number">
+              <span class="costmaps-swatch" style={{ background: token }} aria-hidden="true" />
+              {first === last ? first : `${first} … ${last}`}
+            </td>
+            <td>{text}</td>
+            <td class="number">{counts?.[n]?.toLocaleString("en") ?? "–"}</td>
+            <td class="number">{counts ? areaText((counts[n] ?? 0) * cellArea) : "–"}</td>
+          </tr>
         ))}
-      </ul>
-    </Panel>
+      </tbody>
+    </table>
   );
 }

@@ -1,4 +1,4 @@
-import { useSignal } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { momentText, shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
@@ -138,6 +138,9 @@ function pinLabel(store: Store, { at_s, scan, x, y, outline }: Pin): string {
   return [...time, ...place, ...area].join(" · ");
 }
 
+/** Text of new notes that was not sent yet, by the id of the log: it outlasts a session that ends on the server. */
+const drafts = new Map<string, string>();
+
 interface EditorProps {
   readonly store: Store;
   readonly state: NotesState;
@@ -148,7 +151,11 @@ interface EditorProps {
 
 function Editor({ store, state, note, onDone }: EditorProps) {
   const id = useId();
-  const text = useSignal(note?.text ?? "");
+  const log = store.hello.value?.log?.id ?? "";
+  const text = useSignal(note?.text ?? drafts.get(log) ?? "");
+  useSignalEffect(() => {
+    if (!note) drafts.set(log, text.value);
+  });
   const hasTime = useSignal(note ? note.at_s !== null : true);
   const hasPlace = useSignal(note ? note.x !== null && note.outline === null : false);
   const hasArea = useSignal(note ? note.outline !== null : false);

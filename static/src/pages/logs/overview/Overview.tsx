@@ -14,7 +14,7 @@ import { Doctor, type DoctorState } from "../Doctor";
 import { trajectoryLabel } from "../library/describeLog";
 import { StripRow } from "../plots/StripRow";
 import { nearest, type Shown, scanAtPlace, shownRange } from "../plots/strips";
-import { useMoments, useScanSeries } from "../plots/useScanSeries";
+import { type ScanSeriesState, useMoments, useUsed } from "../plots/useScanSeries";
 import { UtcSwitch } from "../time/Moment";
 import "../viewer.css";
 
@@ -81,7 +81,7 @@ export function Facts({ store }: { readonly store: Store }) {
 
 interface OverviewProps {
   readonly store: Store;
-  readonly session: string;
+  readonly scans: ScanSeriesState;
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
   readonly onCorrectPoses?: () => void;
@@ -92,14 +92,14 @@ interface OverviewProps {
 }
 
 /** The first group of a log: its facts, its events, its motion, and its topics once they are known. */
-export function Overview({ store, session, doctor, onCorrectPoses, zoom, children }: OverviewProps) {
+export function Overview({ store, scans, doctor, onCorrectPoses, zoom, children }: OverviewProps) {
   const contents = useContext(ContentsContext)?.state.value;
   const hasTopics = contents?.kind === "ready" && contents.contents.topics.length > 0;
   return (
     <div class="log-overview">
       <Facts store={store} />
       <Doctor store={store} doctor={doctor} {...(onCorrectPoses ? { onCorrectPoses } : {})} />
-      {store.trajectory.value && <Motion store={store} session={session} zoom={zoom} />}
+      {store.trajectory.value && <Motion store={store} scans={scans} zoom={zoom} />}
       {hasTopics && (
         <section aria-label="Topics">
           <h2 class="doctor-title">Topics</h2>
@@ -131,14 +131,15 @@ export function motionOf(columns: readonly SeriesColumn[]): readonly Plotted[] {
 
 interface MotionProps {
   readonly store: Store;
-  readonly session: string;
+  readonly scans: ScanSeriesState;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
 }
 
 /** The motion of the robot and the returns of its sensor over the time of the log. */
-export function Motion({ store, session, zoom }: MotionProps) {
-  const { series, whole } = useScanSeries(store, session, zoom);
+export function Motion({ store, scans, zoom }: MotionProps) {
+  const { series, whole } = scans;
+  useUsed(scans);
   const { now, selected } = useMoments(store, series);
   const pointed = useSignal<number | null>(null);
   const found = series.value;

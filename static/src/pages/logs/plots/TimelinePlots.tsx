@@ -12,7 +12,7 @@ import { shownStart, shownTime } from "../../../store/shownTime";
 import { StripRow } from "./StripRow";
 import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, zoomedSpan } from "./strips";
 import type { TimelinePlotsState } from "./timelinePlots";
-import { useMoments, useScanSeries } from "./useScanSeries";
+import { type ScanSeriesState, useMoments, useUsed } from "./useScanSeries";
 
 /** The initial plots; fewer in a small window, so that the map has room. */
 const FIRST = ["speed", "turn rate", "turn", "returns", "pose step"];
@@ -23,18 +23,17 @@ interface TimelinePlotsProps {
   readonly store: Store;
   readonly session: string;
   readonly state: TimelinePlotsState;
+  readonly scans: ScanSeriesState;
 }
 
-export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
+export function TimelinePlots({ store, session, state, scans }: TimelinePlotsProps) {
   const { zoom } = state;
-  const { series, failure, whole } = useScanSeries(store, session, zoom);
+  const { series, failure, whole } = scans;
+  useUsed(scans);
   const shown = useSignal<readonly string[]>(isSmall() ? FIRST_IF_SMALL : FIRST);
   const pointed = useSignal<number | null>(null);
   const trajectory = store.trajectory.value;
   const span = zoom.value;
-  useEffect(() => {
-    zoom.value = null;
-  }, [session, trajectory]);
   useEffect(() => {
     pointed.value = null; // the pointer has moved to another position
   }, [session, trajectory, span]);

@@ -88,7 +88,6 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
             Copy the address of this session
           </Button>
         </div>
-        {children}
         <p role="status" class="quiet">
           {status.value}
         </p>
@@ -121,6 +120,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
             </ul>
           </section>
         )}
+        {children}
       </div>
     </Panel>
   );
