@@ -689,3 +689,34 @@ r1: {global_costmap: {global_costmap: {ros__parameters: {width: 4}}}, amcl: {ros
     assert dict(nodes_of(root))["r1", "global_costmap", "global_costmap"] == {"robot_radius": 0.1, "width": 4}
     added = with_node(made, "planner_server", {"a": 1}, ("planner_server",))
     assert find_node(added, ("planner_server",)) == ("planner_server", {"a": 1})
+
+
+def test_layers_after_the_inflation_have_a_note() -> None:
+    """husarion/husarion_ugv_autonomy_ros#16, navigation2#4750: in a list of plugins the inflation is not the last.
+
+    LayeredCostmap::updateMap: an inflation layer sees the costs of the layers before it alone.
+    """
+    stands = "global_costmap.inflation_layer stands before {} in the list: as in Nav2 it inflates only what"
+    values = np.zeros((40, 50), dtype=np.int8)
+    values[20, 25] = 100
+    for order, named in (
+        ("static_layer, inflation_layer", None),
+        ("inflation_layer, static_layer", "static_layer"),
+        ("static_layer, inflation_layer, seen", "seen"),
+    ):
+        seen = 'seen: {plugin: "nav2_costmap_2d::ObstacleLayer", observation_sources: scan, scan: {marking: false}}'
+        found = node(f"plugins: [{order}]\n{STATIC}\n{INFLATION}\n{seen}\nrobot_radius: 0.2")
+        built = build_costmap(GridGeometry(0.1, 40, 50), values, found)
+        built.costmap.update()
+        assert (built.costmap.costs[20, 24] > 0) == (named != "static_layer"), order
+        noted = [note for note in found.notes if "stands before" in note]
+        assert len(noted) == (named is not None), order
+        assert named is None or noted[0].startswith(stands.format(named))
+    off = f"plugins: [inflation_layer, static_layer]\n{STATIC}\n{INFLATION.replace('{', '{enabled: false, ')}"
+    assert not any("stands before" in note for note in node(off).notes)
+
+
+@pytest.mark.parametrize("key", ["plugins", "filters"])
+def test_a_name_that_is_twice_in_a_list_is_named(key: str) -> None:
+    with pytest.raises(ConfigError, match=rf"global_costmap\.{key} has the name 'static_layer' twice: leave one out"):
+        node(f"{key}: [static_layer, static_layer]\n{STATIC}")
