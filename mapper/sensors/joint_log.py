@@ -207,12 +207,15 @@ def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> S
 
 
 def is_measured(log: ScanLog) -> NDArray[np.bool_]:
-    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of the sensor that took them."""
+    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of the sensor that took them.
+
+    An infinite one is no return, also of a sensor without a greatest range.
+    """
     least, greatest = (
         np.array([getattr(part, name) for part in sensors_of(log)])[part_of_scan(log), np.newaxis]
         for name in ("range_min", "range_max")
     )
-    return np.asarray((log.ranges >= least) & (log.ranges <= greatest))
+    return np.asarray((log.ranges >= least) & (log.ranges <= greatest) & np.isfinite(log.ranges))
 
 
 def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> ScanLog:

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from mapper.io.logs.agreement import BY_M, MUCH, Agreement, fits
+from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
 
 LONGEST_S = 0.5  #: a turn of a lidar that is looked for
@@ -78,8 +79,10 @@ def _not_stated(log: ScanLog, period: float) -> Sweep | None:
     if not fits(min(forwards, backwards), at_once, MUCH):
         return None
     first = "first" if forwards <= backwards else "last"
+    is_of_clouds = any(topic.name == log.topic and is_cut(topic.type) for topic in log.topics)
+    what = "clouds state no even times of their points" if is_of_clouds else "scans state no possible time_increment"
     why = (
-        f"The scans state no possible time_increment, and their readings fit together as measured in {sweep:.3g} s, "
+        f"The {what}, and their readings fit together as measured in {sweep:.3g} s, "
         f"the {first} beam first: {_ONLY_SO} They are mapped so."
     )
     return Sweep(why, increment if first == "first" else -increment, reversed=False)

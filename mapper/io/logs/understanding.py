@@ -14,7 +14,7 @@ from mapper.io.logs.no_return import code_for_no_return, without_code
 from mapper.io.logs.pose_clocks import pose_clock
 from mapper.io.logs.sweeps import Sweep, contradicted_sweep
 from mapper.io.logs.text.packing import note_on_largest_reading
-from mapper.sensors.joint_log import each_part, sensors_of, with_notes, without_notes
+from mapper.sensors.joint_log import each_part, is_measured, sensors_of, with_notes, without_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.sparse_poses import ADVICE, sparse_turns
@@ -189,9 +189,9 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
     limits = {"range_max": log.range_max, "range_min": log.range_min}
     for part in sensors_of(log):
         with np.errstate(invalid="ignore"):
-            if ((part.ranges >= part.range_min) & (part.ranges <= part.range_max)).any():
+            if is_measured(part).any():
                 return []
-            beyond = part.ranges > part.range_max
+            beyond = (part.ranges > part.range_max) | np.isposinf(part.ranges)
             no_return += int(np.count_nonzero(beyond))
             far = part.ranges[beyond & np.isfinite(part.ranges)]
             if len(far) and np.ptp(far) > 0.0:  # one value stands for no return
