@@ -79,12 +79,31 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:
             "mount.turned",
             f"The laser fits much better {what}: beams end where others end in {100 * best:.0f} % instead of "
             f"{100 * now:.0f} % of all cases.",
-            "Correct the sensor’s mount.",
+            _advice(bool(values["mount_upside_down"]), float(str(values["mount_yaw"]))),
             min(0.99, 0.5 + (best - now)),
             (),
             values,
         )
     ]
+
+
+def _advice(over: bool, yaw: float) -> str:
+    """Return what to do about a mount that is turned: some wrong signs of the odometry have the same effect.
+
+    Where the robot turns to the other side than the odometry states, all is as if seen in a mirror. Where it drives
+    forward and the odometry states backward, all is as if turned by 180°.
+    """
+    if over and not yaw:
+        return (
+            "Correct the sensor’s mount; or, if that is right, the sign of the turns in the odometry, a wrong one of "
+            "which has the same effect: then this map is mirrored."
+        )
+    if not over and yaw > 3.0:
+        return (
+            "Correct the sensor’s mount; or, if that is right, the sign of the forward motion in the odometry, a wrong "
+            "one of which has the same effect: then this map is turned by 180°."
+        )
+    return "Correct the sensor’s mount."
 
 
 def _sharpest(

@@ -29,7 +29,8 @@ def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
             Finding(
                 CHECK,
                 stated_error,
-                "The map is right without; correct time_increment, or the order of the beams, in the sensor’s driver.",
+                "The map is right without; correct time_increment, the times of the points of clouds, or the order of "
+                "the beams, in the sensor’s driver.",
                 0.95,
             )
         ]

@@ -208,12 +208,15 @@ def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> S
 
 
 def is_measured(log: ScanLog) -> NDArray[np.bool_]:
-    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of their sensor."""
+    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of their sensor.
+
+    An infinite reading is no return, for a sensor without a maximum range as well.
+    """
     least, greatest = (
         np.array([getattr(part, name) for part in sensors_of(log)])[part_of_scan(log), np.newaxis]
         for name in ("range_min", "range_max")
     )
-    return np.asarray((log.ranges >= least) & (log.ranges <= greatest))
+    return np.asarray((log.ranges >= least) & (log.ranges <= greatest) & np.isfinite(log.ranges))
 
 
 def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> ScanLog:

@@ -248,7 +248,7 @@ def slam_log(
     name = odometry_name(log) if trajectory is None else trajectory
     if name is not None:
         log.trajectory(name)
-    if not ((log.ranges >= max(log.range_min, 0.01)) & (log.ranges <= log.range_max)).any():
+    if not ((log.ranges >= max(log.range_min, 0.01)) & (log.ranges <= log.range_max) & np.isfinite(log.ranges)).any():
         raise ConfigError(
             "slam.no_returns", "There is nothing to align: no scan has a reading within the range limits."
         )

@@ -42,6 +42,7 @@ from tests.reports.test_transforms import (
 )
 
 CLEARPATH = "/a200_0000"
+TWO_PROGRAMS = "Two programs state on /tf where 'base_link' is in 'odom', in turns"
 BASE = [LASER, *drive(by_tf())]
 
 
@@ -114,6 +115,15 @@ def only(source: Callable[[int, Pose], list[Said]], each: int) -> Callable[[int,
 
 def wheels(at: int, pose: Pose) -> list[Said]:
     return [odometry(at, *pose)]
+
+
+def beside(other: Callable[[Pose], Pose], each: int = 1) -> list[Said]:
+    """The robot's motion, and what a second program states of the same frames between its transforms."""
+    said = [LASER, *drive(by_tf())]
+    for i in range(N * each):
+        at = T0 + (2 * i + 1) * STEP // (2 * each)
+        said.append(transform(at, "odom", "base_link", *other(true(i / each))))
+    return sorted(said, key=lambda one: one.stamp_ns)
 
 
 def by_steps(said: list[Said]) -> list[Said]:
@@ -276,6 +286,15 @@ CASES = {
         [LASER, static("odom", "base_link", AHEAD), *drive(wheels)], sensor_at(), "By tf/odom the robot never moves"
     ),
     "a fixed map beside odometry": Case([LASER, static("map", "odom", AHEAD), *drive(wheels)], sensor_at()),
+    "a second program that states the same frames, without motion": Case(  # slam_toolbox#784
+        beside(lambda pose: AHEAD), sensor_at(), TWO_PROGRAMS
+    ),
+    "a second program that states no motion ten times as often": Case(
+        beside(lambda pose: AHEAD, 10), sensor_at(), TWO_PROGRAMS
+    ),
+    "a second program that states the motion in a frame of its own": Case(  # rtabmap_ros#645
+        beside(lambda pose: of((2.0, -1.0, 0.7), pose)), sensor_at(), TWO_PROGRAMS
+    ),
     "all messages twice": Case([one for one in BASE for _ in (0, 1)], [place for place in sensor_at() for _ in (0, 1)]),
     "odometry once a second": Case([LASER, *drive(only(wheels, 5))], sensor_at()),
     "a loop of transforms": Case([LASER, *drive(loop)], sensor_at(), "form a loop"),

@@ -281,3 +281,28 @@ def test_every_command_that_opens_a_map_has_its_notes(tmp_path: Path, run: Run, 
     done = run(*(word.format(**places) for word in COMMANDS[command]))
     assert done.status == 0, done.err
     assert "Grey 205, which map_saver writes for unknown, counts as free here" in done.out
+
+
+@pytest.mark.parametrize("greatest", [254, 253])
+def test_the_grey_of_unknown_is_known_in_images_of_another_greatest_value(tmp_path: Path, greatest: int) -> None:
+    """205 of 254 is an occupancy of 0.193, below 0.196: nav2_map_server reads unknown cells as free too."""
+    path = written(tmp_path)
+    (tmp_path / "room.pgm").write_bytes(f"P5\n4 2\n{greatest}\n".encode() + np.minimum(GREYS, greatest).tobytes())
+    values, notes = load_map(path).values, load_map(path).notes
+    assert (values == -1).sum() == 0
+    (note,) = notes
+    assert f"the image’s greatest value is {greatest}, not 255, and free_thresh is 0.196" in note
+    remedy = note.split("; ")[1].split()[0]
+    assert float(remedy) < 1.0 - 205 / greatest + 1e-3
+    values, notes = again(path, "free_thresh: 0.196", f"free_thresh: {remedy}")
+    assert (np.sum(np.array(values) == -1), notes) == (2, ())
+
+
+@pytest.mark.parametrize(("yaw", "said"), [("1.5708", "turned by 90°"), ("-0.5", "turned by -28.65°"), ("0.0", None)])
+def test_a_map_that_is_turned_says_what_nav2_does(tmp_path: Path, yaw: str, said: str | None) -> None:
+    """navigation2#1511, navigation#166: the costs lie otherwise than the map."""
+    _, notes = again(written(tmp_path), "[0, 0, 0]", f"[0.5, -1.0, {yaw}]")
+    assert len(notes) == (said is not None)
+    assert said is None or (
+        said in notes[0] and "Nav2’s static layer and AMCL take the origin’s x and y alone" in notes[0]
+    )

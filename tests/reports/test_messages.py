@@ -481,6 +481,8 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
     (501, -125.0, 0.5, ("PARAM laser_front_laser_fov 4.363323",), "as PARAM states"),
     (361, -180.0, 1.0, ("PARAM laser_front_laser_fov 360", "PARAM laser_front_laser_resolution 1"), "as PARAM states"),
     (121, -120.0, 2.0, ("PARAM laser_laser1_fov 240", "PARAM laser_laser1_resolution 2"), "as PARAM states"),
+    (725, -362.0 * URG, URG, (), "as lidars with one beam more send them"),
+    (542, -135.25, 0.5, (), "as lidars with one beam less send them"),
     (91, -90.0, 2.0, (), "180° is assumed"),
 )  # fmt: skip
 

@@ -689,3 +689,85 @@ r1: {global_costmap: {global_costmap: {ros__parameters: {width: 4}}}, amcl: {ros
     assert dict(nodes_of(root))["r1", "global_costmap", "global_costmap"] == {"robot_radius": 0.1, "width": 4}
     added = with_node(made, "planner_server", {"a": 1}, ("planner_server",))
     assert find_node(added, ("planner_server",)) == ("planner_server", {"a": 1})
+
+
+def test_layers_after_the_inflation_have_a_note() -> None:
+    """husarion/husarion_ugv_autonomy_ros#16, navigation2#4750: in a list of plugins the inflation is not the last.
+
+    LayeredCostmap::updateMap: an inflation layer sees the costs of the layers before it alone.
+    """
+    stands = "global_costmap.inflation_layer stands before {} in the list: as in Nav2 it inflates only what"
+    values = np.zeros((40, 50), dtype=np.int8)
+    values[20, 25] = 100
+    for order, named in (
+        ("static_layer, inflation_layer", None),
+        ("inflation_layer, static_layer", "static_layer"),
+        ("static_layer, inflation_layer, seen", "seen"),
+    ):
+        seen = 'seen: {plugin: "nav2_costmap_2d::ObstacleLayer", observation_sources: scan, scan: {marking: false}}'
+        found = node(f"plugins: [{order}]\n{STATIC}\n{INFLATION}\n{seen}\nrobot_radius: 0.2")
+        built = build_costmap(GridGeometry(0.1, 40, 50), values, found)
+        built.costmap.update()
+        assert (built.costmap.costs[20, 24] > 0) == (named != "static_layer"), order
+        noted = [note for note in found.notes if "stands before" in note]
+        assert len(noted) == (named is not None), order
+        assert named is None or noted[0].startswith(stands.format(named))
+    off = f"plugins: [inflation_layer, static_layer]\n{STATIC}\n{INFLATION.replace('{', '{enabled: false, ')}"
+    assert not any("stands before" in note for note in node(off).notes)
+
+
+@pytest.mark.parametrize("key", ["plugins", "filters"])
+def test_a_name_that_is_twice_in_a_list_is_named(key: str) -> None:
+    with pytest.raises(ConfigError, match=rf"global_costmap\.{key} has the name 'static_layer' twice: leave one out"):
+        node(f"{key}: [static_layer, static_layer]\n{STATIC}")
+
+
+def filters(info: str) -> Nav2Costmap:
+    """Return the costmap of a file with a keepout and a speed filter, and these nodes."""
+    nodes = "".join(
+        f"{name}: {{ros__parameters: {{{values}}}}}\n"
+        for name, values in (line.split(" ", 1) for line in info.strip().split("\n"))
+    )
+    costmap = (
+        "global_costmap: {global_costmap: {ros__parameters: {robot_radius: 0.2, plugins: [], filters: [keep, slow],\n"
+        " keep: {plugin: 'nav2_costmap_2d::KeepoutFilter', filter_info_topic: /keep_info},\n"
+        " slow: {plugin: 'nav2_costmap_2d::SpeedFilter', filter_info_topic: /slow_info}}}}\n"
+    )
+    return parse_nav2_costmap((costmap + nodes).encode())
+
+
+KEEP = "keep_server topic_name: keep_mask, yaml_filename: keep.yaml"
+SLOW = "slow_server topic_name: slow_mask, yaml_filename: slow.yaml"
+FILTER_FILES: dict[str, tuple[str, tuple[tuple[str | None, int], ...], str]] = {
+    "as documented": (
+        (f"{KEEP}\n{SLOW}\nkeep_info type: 0, filter_info_topic: /keep_info, mask_topic: /keep_mask\n"
+        "slow_info type: 2, filter_info_topic: /slow_info, mask_topic: /slow_mask"),
+        (("keep.yaml", 0), ("slow.yaml", 2)),
+        "",
+    ),
+    "both on one topic": (  # navigation2_tutorials#66
+        (f"{KEEP}\n{SLOW}\nkeep_info type: 0, filter_info_topic: /slow_info, mask_topic: /keep_mask\n"
+        "slow_info type: 1, filter_info_topic: /slow_info, mask_topic: /slow_mask"),
+        ((None, 0), ("slow.yaml", 1)),
+        "global_costmap.slow: Not only slow_info but also keep_info has the filter_info_topic 'slow_info'",
+    ),
+    "a speed limit of the keepout's type": (  # SpeedFilter::filterInfoCallback
+        f"{SLOW}\nslow_info type: 0, filter_info_topic: /slow_info, mask_topic: /slow_mask",
+        ((None, 0), (None, 1)),
+        "global_costmap.slow: slow_info states the type 0, where a speed filter needs 1 or 2: as in Nav2",
+    ),
+    "a keepout with a base": (  # navigation2#4892; KeepoutFilter::filterInfoCallback
+        f"{KEEP}\nkeep_info type: 1, filter_info_topic: /keep_info, mask_topic: /keep_mask, base: 100.0",
+        (("keep.yaml", 1), (None, 1)),
+        "keep_info states a base of 100 and a multiplier of 1, which a keepout filter does not use",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FILTER_FILES)
+def test_the_servers_of_filters_are_matched_as_in_nav2(name: str) -> None:
+    info, expected, said = FILTER_FILES[name]
+    found = filters(info)
+    assert tuple((filter_.mask, filter_.type) for filter_ in found.filters) == expected
+    noted = [note for note in found.notes if "keep" in note or "slow" in note]
+    assert noted == [] if not said else noted[0].startswith(said) and len(noted) == 1

@@ -15,6 +15,8 @@ from mapper.io.nav2_declared import FILTERS, switched, undeclared
 from mapper.io.ros_parameters import nodes_of
 
 KINDS = {"KeepoutFilter": "keepout", "SpeedFilter": "speed", "BinaryFilter": "binary"}
+#: The types of nav2_msgs/CostmapFilterInfo that each kind of filter takes; the keepout filter takes any.
+TYPES = {"keepout": (0,), "speed": (1, 2), "binary": (3,)}
 _PLUGIN_OF = {kind: plugin for plugin, kind in KINDS.items()}
 _DEFAULT_TOPIC = "/costmap_filter_info"
 
@@ -64,11 +66,35 @@ def named_filter(
     notes += [undeclared(where, key, declared) for key in block if key not in declared]
     enabled = switched(block.get("enabled", True), f"{where}.enabled", notes)
     topic = _topic(block.get("filter_info_topic", _DEFAULT_TOPIC))
-    for path, info in nodes_of(root):
-        if "mask_topic" in info and _topic(info.get("filter_info_topic", _DEFAULT_TOPIC)) == topic:
-            mask = _mask_file(root, info["mask_topic"])
-            return NamedFilter(name, kind, mask, *_info(info, "/".join(path)), enabled, below)
-    return NamedFilter(name, kind, None, 1 if kind == "speed" else 0, enabled=enabled, below=below)
+    servers = [
+        ("/".join(path), info)
+        for path, info in nodes_of(root)
+        if "mask_topic" in info and _topic(info.get("filter_info_topic", _DEFAULT_TOPIC)) == topic
+    ]
+    none = NamedFilter(name, kind, None, TYPES[kind][0], enabled=enabled, below=below)
+    if not servers:
+        return none
+    server, info = next((one for one in servers if one[1].get("type", 0) in TYPES[kind]), servers[0])
+    type_, base, multiplier = _info(info, server)
+    if len(servers) > 1:
+        others = ", ".join(other for other, _ in servers if other != server)
+        notes.append(
+            f"{where}: Not only {server} but also {others} has the filter_info_topic {topic!r:.80}, and in Nav2 the "
+            f"last one to start counts: {server} is taken. Give each filter a topic of its own."
+        )
+    if kind != "keepout" and type_ not in TYPES[kind]:
+        fit = " or ".join(map(str, TYPES[kind]))
+        notes.append(
+            f"{where}: {server} states the type {type_}, where a {kind} filter needs {fit}: as in Nav2, which logs an "
+            "error, the filter has no effect."
+        )
+        return none
+    if kind == "keepout" and (base, multiplier) != (0.0, 1.0):
+        notes.append(
+            f"{server} states a base of {base:g} and a multiplier of {multiplier:g}, which a keepout filter does not "
+            "use: Nav2 logs an error, and takes the mask as it is."
+        )
+    return NamedFilter(name, kind, _mask_file(root, info["mask_topic"]), type_, base, multiplier, enabled, below)
 
 
 def filter_nodes(filter_: NamedFilter, label: str) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -6,7 +6,7 @@ Source: the Nav2 documentation, Costmap 2D, and the declarations of :mod:`mapper
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -373,6 +373,7 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
                 f"the inscribed radius of the footprint, {radius:.3f} m: planners that take the robot for a point lead "
                 "it into obstacles. Nav2 warns of it too, and recommends at least the inscribed radius."
             )
+    warnings += _not_inflated(costmap.layers, costmap.node)
     if not any(isinstance(layer.config, StaticConfig) and layer.config.enabled for layer in layers):
         warnings.append(
             f"{costmap.node} has no static layer in use: nothing of the map is in its costs, only what sensors see."
@@ -385,12 +386,39 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
     return warnings
 
 
+def _not_inflated(layers: Sequence[NamedLayer], where: str) -> list[str]:
+    """Return a sentence for each list of layers in which obstacles are drawn after the inflation.
+
+    Source: LayeredCostmap::updateMap of nav2_costmap_2d, which lets one layer after the other draw.
+    """
+    notes = []
+    inflation = None
+    after = []
+    for layer in layers:
+        if isinstance(layer.config, InflationConfig) and layer.config.enabled:
+            inflation, after = layer, []
+        elif isinstance(layer.config, ContainerConfig):
+            notes += _not_inflated(layer.config.inner.layers, f"{where}.{layer.name}")
+        if inflation is not None and isinstance(layer.config, StaticConfig | ObstacleConfig) and layer.config.enabled:
+            after.append(layer.name)
+    if inflation is not None and after:
+        notes.append(
+            f"{where}.{inflation.name} stands before {', '.join(after)} in the list: as in Nav2 it inflates only what "
+            "the layers before it draw. Put it last."
+        )
+    return notes
+
+
 def _names(parameters: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
     names = [
         name for name in names_of(parameters.get(key, []), f"{where}.{key}") if name
     ]  # [""] is an empty list of names in ROS 2
-    if len(names) > MAX_LAYERS or len(set(names)) < len(names):
-        raise ConfigError("nav2.plugins", f"{where}.{key} must be at most {MAX_LAYERS} different names.")
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        message = f"{where}.{key} has the name {twice!r:.80} twice: leave one out, or give the other its own name."
+        raise ConfigError("nav2.plugins", message)
+    if len(names) > MAX_LAYERS:
+        raise ConfigError("nav2.plugins", f"{where}.{key} must be at most {MAX_LAYERS} names, not {len(names)}.")
     return tuple(names)
 
 

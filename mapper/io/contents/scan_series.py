@@ -95,6 +95,6 @@ def _share_of_returns(log: ScanLog) -> NDArray[np.float64]:
     rows = max(1, BLOCK_READINGS // max(1, log.n_beams))
     for first in range(0, log.n_scans, rows):
         ranges = log.ranges[first : first + rows]
-        measured = (ranges >= log.range_min) & (ranges <= log.range_max)
+        measured = (ranges >= log.range_min) & (ranges <= log.range_max) & np.isfinite(ranges)
         shares[first : first + rows] = np.count_nonzero(measured, axis=1) / max(1, log.n_beams)
     return shares

@@ -245,7 +245,7 @@ def _send_scan(topics: Topics, sensor: ExportedSensor, index: int, stamp: int) -
         scan_time=log.scan_time,
     )
     topics.send(sensor.scan, "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, sensor.frame, scan))
-    measured = (ranges > 0.0) & (ranges >= log.range_min) & (ranges <= log.range_max)
+    measured = (ranges > 0.0) & (ranges >= log.range_min) & (ranges <= log.range_max) & np.isfinite(ranges)
     points = np.zeros((int(np.count_nonzero(measured)), 3), dtype=np.float32)
     points[:, :2] = sensor.ends(index)[measured]
     topics.send(sensor.points, "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, sensor.frame, points))

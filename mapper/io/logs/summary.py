@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mapper.core.time_units import EPOCH_S
 from mapper.sensors.gaps import are_gaps
-from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.joint_log import is_measured, sensors_of
 from mapper.sensors.scan import ScanLog, Topic
 
 
@@ -177,7 +177,7 @@ def path_length(poses: NDArray[np.float64]) -> float:
 def _count_readings(log: ScanLog) -> ReadingCounts:
     measured = no_return = total = 0
     for part in sensors_of(log):
-        measured += int(np.count_nonzero((part.ranges >= part.range_min) & (part.ranges <= part.range_max)))
-        no_return += int(np.count_nonzero(part.ranges > part.range_max))
+        measured += int(np.count_nonzero(is_measured(part)))
+        no_return += int(np.count_nonzero((part.ranges > part.range_max) | np.isposinf(part.ranges)))
         total += part.ranges.size
     return ReadingCounts(measured, no_return, total - measured - no_return)

@@ -2,11 +2,12 @@
 
 They apply to every log after reading, regardless of its format, so that all use the same rules and messages.
 
-Whether the readings contradict the times at which the beams were measured is asked too: simulators and drivers state a
-``time_increment`` of scans that were measured at once, or in another order, and none of scans that take all of the time
-between two. So the map is right by itself; the doctor asks more thoroughly (:mod:`mapper.diagnosis.sweep`).
+They also detect stated beam times that the readings contradict: simulators and drivers state a ``time_increment`` for
+scans that were measured at once, or in reverse order, and none for scans that take the whole time between two. The
+check is made when a log is read, so that the map is correct automatically; the doctor checks more thoroughly
+(:mod:`mapper.diagnosis.sweep`).
 
-A distance that says "no return", although the log states no such limit, is told by what no wall can look like.
+They also detect a distance that means "no return" in logs that state no such limit, because no wall can look like it.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from mapper.core.array_types import Int64Array
 from mapper.io.logs.agreement import BY_M, MUCH, Agreement, fits
 from mapper.io.logs.pose_clocks import pose_clock
 from mapper.io.logs.text.packing import note_on_largest_reading
-from mapper.sensors.joint_log import each_part, sensors_of, with_notes, without_notes
+from mapper.sensors.joint_log import each_part, is_measured, sensors_of, with_notes, without_notes
+from mapper.sensors.planar.options import is_cut
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.sparse_poses import ADVICE, sparse_turns
@@ -196,9 +198,9 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
     limits = {"range_max": log.range_max, "range_min": log.range_min}
     for part in sensors_of(log):
         with np.errstate(invalid="ignore"):
-            if ((part.ranges >= part.range_min) & (part.ranges <= part.range_max)).any():
+            if is_measured(part).any():
                 return []
-            beyond = part.ranges > part.range_max
+            beyond = (part.ranges > part.range_max) | np.isposinf(part.ranges)
             no_return += int(np.count_nonzero(beyond))
             far = part.ranges[beyond & np.isfinite(part.ranges)]
             if len(far) and np.ptp(far) > 0.0:  # a single value is a code for no return
@@ -295,8 +297,10 @@ def _not_stated(log: ScanLog, period: float) -> Sweep | None:
     if not fits(min(forwards, backwards), at_once, MUCH):
         return None
     first = "first" if forwards <= backwards else "last"
+    is_of_clouds = any(topic.name == log.topic and is_cut(topic.type) for topic in log.topics)
+    what = "clouds state no even times of their points" if is_of_clouds else "scans state no possible time_increment"
     why = (
-        f"The scans state no possible time_increment, and their readings fit together as measured in {sweep:.3g} s, "
+        f"The {what}, and their readings fit together as measured in {sweep:.3g} s, "
         f"the {first} beam first: {_ONLY_SO} They are mapped so."
     )
     return Sweep(why, increment if first == "first" else -increment, reversed=False)

@@ -11,6 +11,7 @@ the yaml; a cell's value is
 from __future__ import annotations
 
 import io
+import math
 import os
 import re
 import struct
@@ -25,6 +26,7 @@ from PIL import BmpImagePlugin, Image, ImageFile, PngImagePlugin, PpmImagePlugin
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.se2 import wrap_angle
 from mapper.grid import (
     FREE,
     FREE_THRESHOLD,
@@ -184,12 +186,13 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
         raise ReadError("map.no_yaml", f"The file {path.name!r} is an image: choose the yaml that names it.")
     description = parse_description(data, limits)
     image, note = image_path(path, description.image)
-    sums, n_channels, opaque = _shades(image, description, limits)
+    (sums, n_channels, opaque), white = _shades(image, description, limits)
     in_image_order = _values(sums, n_channels, opaque, description)
     values: NDArray[np.int8] = np.ascontiguousarray(GridGeometry.to_image(in_image_order), dtype=np.int8)
     rows, cols = values.shape
     geometry = GridGeometry(description.resolution, rows, cols, description.origin, limits)
-    notes = (*description.notes, note, _note_on_unknown(sums, n_channels, description, has_alpha=opaque is not None))
+    unknown = _note_on_unknown(sums, n_channels, description, has_alpha=opaque is not None, white=white)
+    notes = (*description.notes, note, unknown, _note_on_yaw(description.origin[2]))
     return LoadedMap(grid_of_values(geometry, values), values, description, tuple(filter(None, notes)))
 
 
@@ -212,15 +215,19 @@ def _loaded_bee(path: Path, limits: Limits) -> LoadedMap:
 
 
 def _note_on_unknown(
-    sums: NDArray[np.uint16], n_channels: int, description: MapDescription, *, has_alpha: bool
+    sums: NDArray[np.uint16], n_channels: int, description: MapDescription, *, has_alpha: bool, white: int
 ) -> str | None:
-    """Return a sentence if pixels with map_saver's grey for unknown are interpreted as known."""
+    """Return a sentence if pixels with map_saver's grey for unknown are interpreted as known.
+
+    ``white`` is the greatest value that an image of one channel states.
+    """
     if description.mode == "raw" or description.negate:
         return None
     # Of four channels, the fourth is an opaque alpha; no channels mean 16 bits.
     grey, brightest = {
         0: (257 * GREY_UNKNOWN, 65535),
         4: (3 * GREY_UNKNOWN + 255, 4 * 255),
+        1: (round(GREY_UNKNOWN * 255 / white), 255),
     }.get(n_channels, (n_channels * GREY_UNKNOWN, n_channels * 255))
     occupancy = 1.0 - grey / brightest
     if description.mode == "scale":
@@ -240,14 +247,20 @@ def _note_on_unknown(
             f"set free_thresh to {int(1000.0 * occupancy) / 1000.0:g} in place of {description.free_thresh:g}, to keep "
             "it unknown."
         )
+    if white != 255:
+        return (
+            f"{what} the image’s greatest value is {white}, not 255, and free_thresh is {description.free_thresh:g}; "
+            f"{int(1000.0 * occupancy) / 1000.0:g} keeps it unknown."
+        )
     return f"{what} free_thresh is {description.free_thresh:g}; 0.196 keeps it unknown."
 
 
 def _shades(
     path: Path, description: MapDescription, limits: Limits
-) -> tuple[NDArray[np.uint16], int, NDArray[np.bool_] | None]:
-    """Return the sum of each pixel's channels, their number (0: one channel of 16 bits), and which pixels are
-    opaque.
+) -> tuple[tuple[NDArray[np.uint16], int, NDArray[np.bool_] | None], int]:
+    """Return the sum of each pixel's channels, their number (0: one channel of 16 bits), and which are opaque.
+
+    The last value is the maximum that the image states, to which its pixels were scaled: 255 if it states none.
     """
     named = f"The map’s image {path.name!r}"
     try:
@@ -267,9 +280,31 @@ def _shades(
                     "map.image",
                     f"{named} is damaged: it claims {width} × {height} pixels, which its {size} bytes cannot hold.",
                 )
-            return _channel_sums(image, description)
+            white = _greatest(image)
+            return _channel_sums(image, description), white
     except (OSError, ValueError, SyntaxError, EOFError, IndexError, struct.error, zlib.error) as error:
         raise ReadError("map.image", f"{named} is damaged: {error}.") from error
+
+
+def _greatest(image: ImageFile.ImageFile) -> int:
+    """Return the greatest value of a PGM of one byte, before it is decoded; 255 for another image."""
+    args: Any = image.tile[0].args if image.tile and isinstance(image, PpmImagePlugin.PpmImageFile) else None
+    stated = args[-1] if isinstance(args, tuple) else args
+    return stated if isinstance(stated, int) and 0 < stated < 255 else 255
+
+
+def _note_on_yaw(yaw: float) -> str | None:
+    """Return a sentence on a map whose origin is turned, which parts of Nav2 do not follow.
+
+    Source: StaticLayer::processMap of nav2_costmap_2d and convertMap of nav2_amcl, which read the position alone.
+    """
+    if abs(wrap_angle(yaw)) < 1e-6:
+        return None
+    return (
+        f"The map’s origin is turned by {math.degrees(yaw):.4g}°, as map_server states it and as it is taken here. "
+        "Nav2’s static layer and AMCL take the origin’s x and y alone: there the map lies otherwise. Turn the image "
+        "instead, and state a yaw of 0."
+    )
 
 
 def _opened(file: BinaryIO, named: str) -> ImageFile.ImageFile:

@@ -21,6 +21,7 @@ from mapper.core.parameter import changed_values
 from mapper.io import export
 from mapper.mapping.parameters import RECORDED, MappingConfig, as_mapped
 from mapper.sensors.georeference import NO_OFFSET
+from mapper.sensors.joint_log import is_measured
 from mapper.sensors.scan import Trajectory
 from mapper.slam.config import SLAM_PARAMETERS, SlamConfig
 from server.jobs import process
@@ -79,7 +80,7 @@ class SlamJob(BoundedJob[SlamOutcome]):
         from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
         log = log_in(self.pack)
-        if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
+        if not is_measured(log).any():
             raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
         config = SlamConfig().with_values(self.parameters)
         mapping = MappingConfig().with_values({**RECORDED, **self.mapping})

@@ -240,16 +240,12 @@ class CostmapParameters:
 def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
     """Return the footprint with these corners [x, y], metres, as dragged on a page.
 
-    Raises :class:`ConfigError` if it is impossible or crosses itself, with or without its padding.
+    As in Nav2 it may cross itself. Raises :class:`ConfigError` if it is impossible, with or without its padding.
     """
     if len(corners) > MOST_CORNERS:
         raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
     footprint = Footprint(tuple((x, y) for x, y in corners))
-    for outline in (footprint, footprint.padded(CostmapConfig().footprint_padding)):
-        if outline.crossing is not None:
-            i, j = outline.crossing
-            message = f"The footprint crosses itself: the edges from point {i} and from point {j} meet."
-            raise ConfigError("footprint.crosses", message)
+    footprint.padded(CostmapConfig().footprint_padding)
     return footprint
 
 

@@ -89,7 +89,7 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     expect(page.get_by_text("The nearest obstacle is")).to_be_visible()
     page.get_by_role("button", name="Make the robot 1 m wide").click()
     expect(page.get_by_text("There is no path to the goal: it would have to pass where the robot")).to_be_visible()
-    # The layers as sheets: one is switched off; a handle of the curve is moved; a corner that crosses is refused.
+    # The layers as sheets: one is switched off; a handle of the curve is moved; a corner that crosses has a note.
     open_group(page, "Costmap")
     check_the_sheet_in_front(page)
     page.get_by_role("switch", name="Inflation").click()
@@ -106,6 +106,7 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     page.mouse.move(x - 150, y + 60, steps=4)
     expect(page.get_by_text("crosses itself")).to_be_visible()
     page.mouse.up()
+    await_true(page, f"() => {_STORE}.part('costmap').message.peek().footprint[0][0] < -0.2")
     # The parameters as a Nav2 file, out and in; a wrong one says where.
     with page.expect_download() as download:
         page.get_by_role("button", name="Download yaml").click()

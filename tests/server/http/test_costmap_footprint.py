@@ -81,7 +81,6 @@ def test_what_is_no_footprint_changes_nothing(service: Service, session: str) ->
         (SQUARE[:2], "footprint.vertices"),
         (circle, "footprint.vertices"),
         ([[100.0 * x / 0.3, 100.0 * y / 0.3] for x, y in SQUARE], "footprint.vertices"),
-        ([SQUARE[0], SQUARE[2], SQUARE[1], SQUARE[3]], "footprint.crosses"),
         ([[1.0, 2.0, 3.0]] * 4, "request.invalid"),
         ([["nan", 0.0]] * 4, "request.invalid"),
         (None, "request.invalid"),
@@ -89,3 +88,12 @@ def test_what_is_no_footprint_changes_nothing(service: Service, session: str) ->
         assert refusal(put(service, session, footprint)) == (422, code), footprint
     assert service.http.get(address(session)).json() == first
     assert refusal(service.http.get(address("none"))) == (404, "session.unknown")
+
+
+def test_a_footprint_may_cross_itself_as_in_nav2(service: Service, session: str) -> None:
+    """Costmap2DROS::setRobotFootprint takes what it gets; the inscribed radius is the distance to the nearest edge."""
+    service.state.sessions.get(session).enqueue(command_of({"type": "costmap"}))
+    crossed = [SQUARE[0], SQUARE[2], SQUARE[1], SQUARE[3]]
+    answer = put(service, session, crossed)
+    assert (answer.status_code, answer.json()["footprint"]) == (200, crossed)
+    assert answer.json()["inscribed_radius"] == pytest.approx(0.0, abs=1e-9)  # two of its edges go through the centre

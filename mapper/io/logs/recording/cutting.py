@@ -25,9 +25,11 @@ from mapper.io.logs.selection import Selection
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
 from mapper.sensors.planar.depth import cut_depth
+from mapper.sensors.planar.sweep import SAMPLE, sweep_of
 
 IMAGE, CAMERA = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
 HELD_BYTES = 64 << 20
+LONGEST_S = 1.0  #: a turn of a lidar; times of points that make it longer are in another unit
 FLOOR_CLOUDS = 20  #: of a topic: the floor is searched for in this number of its first clouds
 FLOOR_M = 0.1  #: metres above the lowest height in which the floor is looked for, and by which it shortens a beam
 
@@ -69,6 +71,8 @@ class Cutter:
         self._placements: dict[tuple[str, str], Placement] = {}  #: of frames that never move, by topic and frame
         self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
         self.low: dict[str, Low] = {}  #: by topic
+        self.heights: dict[str, tuple[float, float]] = {}  #: of the points of topics whose clouds made no beam, metres
+        self._with_beams: set[str] = set()  #: the other topics
         self._cut, self._named = selection.cut, selection.name_of
         self._tf, self._children, self._emit = tf, children, emit
         self._statics = 0  #: how many static transforms were known when the placements were found
@@ -149,9 +153,36 @@ class Cutter:
         for points in cloud.parts():
             add_points(points, placement, cut, ranges)
         self._look_for_floor(cloud, topic, placement, ranges)
+        self._note_heights(cloud, topic, placement, ranges)
         least, greatest = cut.cloud_range
         first, step, mount = first_beam(cut), cut.angle_increment, placement.mount
-        return Beams(cloud.stamp_ns, cloud.frame, first, step, least, greatest, ranges, mount=mount)
+        begin, increment = self._sweep(cloud, placement)
+        stamp_ns = cloud.stamp_ns + round(begin * 1e9)
+        return Beams(stamp_ns, cloud.frame, first, step, least, greatest, ranges, time_increment=increment, mount=mount)
+
+    def _sweep(self, cloud: Cloud, placement: Placement) -> tuple[float, float]:
+        """Return the time of the first beam, seconds after the stamp, and the time between beams; 0 if not known."""
+        timed = cloud.timed_sample(SAMPLE) if cloud.stamp_ns else None
+        found = None if timed is None else sweep_of(*timed, placement, self._cut)
+        if found is None or abs(found[0]) > LONGEST_S or abs(found[1]) * self._cut.n_beams > LONGEST_S:
+            return 0.0, 0.0
+        return found
+
+    def _note_heights(self, cloud: Cloud, topic: str, placement: Placement, ranges: NDArray[np.float32]) -> None:
+        """Note the heights of the points of a topic in the base frame until one of its clouds makes a beam."""
+        if topic in self._with_beams:
+            return
+        if np.isfinite(ranges).any():
+            self._with_beams.add(topic)
+            self.heights.pop(topic, None)
+            return
+        low, high = self.heights.get(topic, (np.inf, -np.inf))
+        for points in cloud.parts():
+            heights = points @ placement.rotation[2] + placement.translation[2]
+            finite = heights[np.isfinite(heights)]
+            if len(finite):
+                low, high = min(low, float(finite.min())), max(high, float(finite.max()))
+        self.heights[topic] = (low, high)
 
     def _look_for_floor(self, cloud: Cloud, topic: str, placement: Placement, ranges: NDArray[np.float32]) -> None:
         """Count the beams that are longer in the scan above the lowest :data:`FLOOR_M` of the heights that count."""

@@ -180,6 +180,7 @@ class RecordedLog:
         mounting = mounting_of(self._taken, tree, base, sensor)
         notes += mounting.notes
         notes += self._note_on_floor(sensor)
+        notes += self._note_on_heights(sensor)
         robot = self._base_that_moves(tree, base)
         choice = self._taken.tf.choice(sensor.topic, sensor.frame)
         others = {topic: self._taken.tf.tree_with(topic, choice.static) for topic in choice.others}
@@ -267,6 +268,18 @@ class RecordedLog:
         seen = f"{100.0 * share:.0f} % of the beams end at points less than {FLOOR_M:g} m above the lowest height"
         advice = f"it is mapped as walls: raise min_height, for example to {lowest + FLOOR_M:g} m."
         return [f"{seen} (min_height), {lowest:g} m, and have others behind. Where that is the floor, {advice}"]
+
+    def _note_on_heights(self, sensor: SensorScans) -> list[str]:
+        low, high = self._taken.heights.get(sensor.topic, (np.inf, -np.inf))
+        cut = self._cut
+        if low > high or (low <= cut.max_height and high >= cut.min_height):
+            return []
+        note = (
+            f"No point of the clouds on {sensor.topic} is between {cut.min_height:g} and {cut.max_height:g} m above "
+            f"the robot’s base frame, so the map has no walls: they are at {low:.3g} to {high:.3g} m. Set min_height "
+            "and max_height to where the walls are, or correct the height of the sensor’s mount."
+        )
+        return [note]
 
     def _notes_on_time(self, sensor: SensorScans) -> list[str]:
         notes = notes_on_time(sensor.moments.stamps_ns if sensor.offsets is not None else np.array(sensor.stamps))

@@ -363,10 +363,12 @@ class Recording(MessageSink):
         """Take what was held until all messages had come. Raises :class:`ReadError` where there is no such tf."""
         self._taken.tf.check()
         self._cutter.finish()
+        self.notes += self._taken.tf.part_senders()
         self._take_paths()
         self._count_on()
         self._taken.unplaced = self._cutter.unplaced
         self._taken.low = {topic: low.share for topic, low in self._cutter.low.items()}
+        self._taken.heights = self._cutter.heights
 
     def robot_log(self, name: str, form: str) -> RobotLog:
         """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""

@@ -21,7 +21,7 @@ from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.restarts import counted_on, restarts_of, sees_the_same
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, Taken
-from mapper.io.logs.recording.tf_topics import namespaces
+from mapper.io.logs.recording.tf_topics import SECOND, namespaces
 from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.recording.transforms import FrameTree, Path, is_fixed_name
 from mapper.io.logs.ros.ros_messages import PATH, WITHOUT_HEADER
@@ -75,6 +75,8 @@ class RobotPoses:
         pose_sources = self._by_tf("tf", self.tree, self.base, worlds)
         several = {child: counts for path in worlds for child, counts in self.tree.several_parents(path)}
         for child, counts in several.items():
+            if len({parent.removesuffix(SECOND) for parent in counts}) == 1:
+                continue  # of two senders, which have a note
             listed = " and ".join(f"{parent!r:.100} ({n} transforms)" for parent, n in list(counts.items())[:4])
             self.notes.append(
                 f"tf states {len(counts)} parents of the frame {child!r:.100}, {listed}, where a frame has one: what "

@@ -19,6 +19,7 @@ from mapper.sensors.planar.options import is_cut
 LEAST_BEAMS = 10  #: fewer tell nothing of their angles' end
 MOST_BEAMS_OFF = 2.0  #: beams by which drivers state another end: the next beam's, or with the last one twice
 MOST_OFF_RAD = 0.01
+SAME_SWEEP, MOST_CLOUDS = 0.1, 0.8  #: share by which the sweeps of clouds may differ, and of clouds that agree
 
 
 class SensorScans:
@@ -180,6 +181,17 @@ class SensorScans:
         parts = np.split(np.frombuffer(self._ranges, dtype=np.float32), ends[:-1])
         return parts[earlier[np.argmax(stamps[earlier])]], parts[later[np.argmin(stamps[later])]]
 
+    def _even_increments(self) -> NDArray[np.float32]:
+        """Return the usual time increment for each scan cut out of a cloud, whose own one is an estimate.
+
+        0 where the clouds do not agree on one.
+        """
+        own = np.frombuffer(self._time_increments, dtype=np.float32)
+        usual = np.float32(np.median(own)) if len(own) else np.float32(0.0)
+        if np.mean(np.abs(own - usual) <= SAME_SWEEP * abs(usual)) < MOST_CLOUDS:
+            usual = np.float32(0.0)
+        return np.full(len(own), usual)
+
     @property
     def stated(self) -> StatedScans:
         """The scans with what each message states."""
@@ -188,7 +200,7 @@ class SensorScans:
             list(self._numbers),
             np.frombuffer(self._of_scan, dtype=np.int64),
             np.frombuffer(self._ranges, dtype=np.float32),
-            np.frombuffer(self._time_increments, dtype=np.float32),
+            self._even_increments() if is_cut(self.kind) else np.frombuffer(self._time_increments, dtype=np.float32),
             is_cut(self.kind),
         )
 

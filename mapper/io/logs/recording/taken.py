@@ -37,8 +37,10 @@ class Taken:
     """Messages taken so far; ``children`` are frames of which odometry messages state the poses.
 
     Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut. ``low`` is, by
-    topic, the share of a cloud's beams that end at low points, probably on the floor. ``run_offsets`` are what is added
-    to stamps so that those of each run follow the run before, see :mod:`mapper.io.logs.recording.runs`.
+    topic, the share of a cloud's beams that end at low points, probably on the floor; ``heights`` are the least and the
+    greatest height of the points, metres in the base frame, of a topic none of whose clouds made a beam.
+    ``run_offsets`` are what is added to stamps so that those of each run follow the run before, see
+    :mod:`mapper.io.logs.recording.runs`.
     """
 
     limits: Limits
@@ -51,4 +53,5 @@ class Taken:
     tf_clock: Clock = field(default_factory=Clock)
     unplaced: set[str] = field(default_factory=set)
     low: dict[str, float] = field(default_factory=dict)
+    heights: dict[str, tuple[float, float]] = field(default_factory=dict)
     run_offsets: tuple[int, ...] = (0,)

@@ -17,6 +17,7 @@ from mapper.io.logs.recording.timeline import Timeline
 from mapper.io.logs.recording.transforms import FrameTree, Stated
 from mapper.io.logs.ros.ros_messages import StampedPose
 
+SECOND = " (2)"  #: behind the name of a frame: that of the second of two programs that state it
 STATIC = "_static"  #: the end of the topic of transforms that never change
 
 
@@ -80,6 +81,29 @@ class TfTopics:
         """The transforms of each pair of frames that are not static, with their topics."""
         lines = ((topic, each.values()) for topic, tree in self._stated.items() for each in tree.moving.values())
         return [(topic, line) for topic, each in lines for line in each]
+
+    def part_senders(self) -> list[str]:
+        """Give what two senders state in turns of one frame in another to two parents; return a note on each.
+
+        The second parent has the name of the first and a number behind it.
+        """
+        notes = []
+        for topic, tree in self._stated.items():
+            for child, parents in tree.moving.items():
+                for parent, line in list(parents.items()):
+                    parted = line.by_sender()
+                    if parted is None:
+                        continue
+                    other = f"{parent}{SECOND}"
+                    parents[parent], parents[other] = parted
+                    tree.children.setdefault(other, {})[child] = None
+                    notes.append(
+                        f"Two programs state on {topic} where {child!r:.100} is in {parent!r:.100}, in turns "
+                        f"({len(parents[parent])} and {len(parents[other])} transforms), and tf2 jumps between them. "
+                        f"What follows from each is a trajectory of its own; the second is in {other!r:.100}. Let one "
+                        "of them state it."
+                    )
+        return notes
 
     @property
     def static_tracks(self) -> list[Track]:

@@ -15,6 +15,7 @@ from mapper.core.limits import Limits
 from mapper.io.logs.recording.clocks import with_set_stamps
 from mapper.io.logs.recording.poses3 import Poses3, interpolated, poses_of, why_no_pose
 from mapper.io.logs.recording.runs import LEAST_STEP_NS
+from mapper.io.logs.recording.senders import senders_of
 from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
 
 LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of messages
@@ -123,6 +124,22 @@ class Timeline:
         self._positions.append(position)
         self._recorded.append(recorded_ns)
         self._values.extend(pose)
+
+    def by_sender(self) -> tuple[Timeline, Timeline] | None:
+        """Return the poses of two senders that state them in turns; None where there is one.
+
+        They are looked at in the order in which they were recorded; see :mod:`mapper.io.logs.recording.senders`.
+        """
+        poses = np.array(self._values).reshape(-1, 7)
+        order = np.argsort(np.array(self._recorded), kind="stable")
+        found = senders_of(poses[order])
+        if found is None:
+            return None
+        parts = Timeline(self._limits), Timeline(self._limits)
+        for part, own in zip(parts, found, strict=True):
+            for k in np.sort(order[own]).tolist():
+                part.add(self._stamps[k], tuple(poses[k].tolist()), self._positions[k], self._recorded[k])
+        return parts
 
     @property
     def track(self) -> tuple[Int64Array, Int64Array, Int64Array]:

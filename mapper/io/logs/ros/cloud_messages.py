@@ -68,6 +68,20 @@ class Cloud:
         height, width = self.axes[0].shape
         return PointCloud(points, stamp_ns, self.frame, (height, width), fields, times_of(fields, stamp_ns))
 
+    def timed_sample(self, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Return about ``n`` points (m, 3) spread over the cloud, and their times (m,): see :func:`times_of`.
+
+        None where no field says when points were measured.
+        """
+        name = next((name for name in TIME_FIELDS if name in self.others and self.others[name].ndim == 2), None)
+        height, width = self.axes[0].shape
+        if name is None or not height or not width:
+            return None
+        part = np.s_[:: max(1, height // 32), :: max(1, min(height, 32) * width // n)]
+        times = times_of({name: self.others[name][part].reshape(-1)}, self.stamp_ns)
+        points = np.stack([axis[part].astype(np.float64).reshape(-1) for axis in self.axes], axis=-1)
+        return None if times is None else (points, times)
+
     def parts(self) -> Iterator[NDArray[np.float64]]:
         """Yield the points (n, 3), row by row, in parts of bounded memory."""
         height, width = self.axes[0].shape

@@ -69,7 +69,8 @@ def front_laser_beams(n_beams: int, word: str, fov: float | None = None, resolut
     """Return the beams of lines ``word`` that state no angles, with notes on them.
 
     ``fov`` and ``resolution``, radians, are the log's parameters. They are used if they agree with the number of beams;
-    otherwise the field of view of lidars with this number of beams, then the parameters as stated, and otherwise 180°.
+    otherwise the field of view of lidars with this number of beams, then the parameters as stated, then the field of
+    view of lidars with one beam more or less, and otherwise 180°.
     """
     by_count = BY_COUNT.get(n_beams)
     if fov is not None and resolution is not None and _agree(resolution * max(1, n_beams - 1), fov, resolution):
@@ -90,6 +91,10 @@ def front_laser_beams(n_beams: int, word: str, fov: float | None = None, resolut
     if fov is not None:
         step = fov / max(1, n_beams - 1)
         return _around(n_beams, step, word, "as PARAM states")
+    for other, one in ((n_beams + 1, "more"), (n_beams - 1, "less")):
+        if other in BY_COUNT:
+            step = math.radians(BY_COUNT[other][0])
+            return _around(n_beams, step, word, f"as lidars with one beam {one} send them")
     step = math.pi / n_beams if n_beams % 2 == 0 else math.pi / max(1, n_beams - 1)
     note = (
         f"180° is assumed: {word} lines state no angles, no PARAM does, and {n_beams} beams are of no lidar that is "

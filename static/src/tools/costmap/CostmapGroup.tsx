@@ -15,7 +15,7 @@ import type { Point } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Begin, End, useCostmap, useRows } from "./BeginEnd";
 import { CostFiles } from "./CostFiles";
-import { OUTLINES, refusalOf, rounded } from "./footprint";
+import { crossingOf, OUTLINES, rounded } from "./footprint";
 import { Sheets } from "./Sheets";
 import { costmapOf } from "./state";
 import { OverChoice } from "./Tools";
@@ -35,7 +35,6 @@ const STEPS: Readonly<Record<string, Point>> = {
 export function Outline({ store }: { readonly store: Store }) {
   const costmap = costmapOf(store).costmap.value;
   const sketch = useSignal<readonly Point[] | null>(null);
-  const refused = useSignal<string | null>(null);
   const held = useRef<{ corner: number; at: Point; from: Point } | null>(null);
   if (!costmap) return null;
   const corners = sketch.value ?? costmap.footprint;
@@ -45,9 +44,8 @@ export function Outline({ store }: { readonly store: Store }) {
   const move = (corner: number, to: Point): void => {
     const inside = to.map((v) => rounded(Math.min(FARTHEST, Math.max(-FARTHEST, v)))) as unknown as Point;
     const next = corners.map((point, i) => (i === corner ? inside : point));
-    refused.value = refusalOf(next);
     if (held.current) sketch.value = next;
-    if (refused.value === null) costmapOf(store).setFootprint(next);
+    costmapOf(store).setFootprint(next);
   };
   const release = (): void => {
     held.current = null;
@@ -59,10 +57,7 @@ export function Outline({ store }: { readonly store: Store }) {
         <circle class="body" cx={SIZE / 2} cy={SIZE / 2} r={scale * ROBOT_RADIUS} />
         <circle class="circumscribed" cx={SIZE / 2} cy={SIZE / 2} r={scale * costmap.circumscribed_radius} />
         <circle class="inscribed" cx={SIZE / 2} cy={SIZE / 2} r={scale * costmap.inscribed_radius} />
-        <polygon
-          class={refused.value ? "shape refused" : "shape"}
-          points={corners.map((corner) => at(corner).join(",")).join(" ")}
-        />
+        <polygon class="shape" points={corners.map((corner) => at(corner).join(",")).join(" ")} />
         <path class="heading" d={`M${SIZE / 2} ${SIZE / 2}h${scale * ROBOT_RADIUS}`} />
         {corners.map((corner, n) => {
           const [x, y] = at(corner);
@@ -111,18 +106,13 @@ export function Outline({ store }: { readonly store: Store }) {
               key={outline.label}
               type="button"
               class="button"
-              onClick={() => {
-                refused.value = null;
-                costmapOf(store).setFootprint(outline.corners);
-              }}
+              onClick={() => costmapOf(store).setFootprint(outline.corners)}
             >
               {outline.label}
             </button>
           ))}
         </div>
-        <p class="navigation-refused" role="status">
-          {refused.value}
-        </p>
+        <p role="status">{crossingOf(corners)}</p>
       </figcaption>
     </figure>
   );

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { costAt, factorFor } from "../../grid/costs";
 import vectors from "../../grid/costs.vectors.json";
 import { byteOfCost, costOfByte } from "../../render/map/costColours";
-import { OUTLINES, refusalOf } from "./footprint";
+import { crossingOf, OUTLINES } from "./footprint";
 import { cellOn, draggedGaps, LEAST_GAP, paintOrder, placeOn, sheetPlan } from "./sheetPlan";
 
 describe("the cost of a distance", () => {
@@ -24,17 +24,17 @@ describe("the cost of a distance", () => {
 });
 
 describe("the outline of the robot", () => {
-  it("may be each of those to begin with", () => {
-    for (const { corners } of OUTLINES) expect(refusalOf(corners)).toBeNull();
+  it("has no note for those to begin with", () => {
+    for (const { corners } of OUTLINES) expect(crossingOf(corners)).toBeNull();
   });
-  it("must not cross itself", () => {
+  it("has a note where it crosses itself, as Nav2 takes it", () => {
     const crossed = [
       [0.3, 0.3],
       [-0.3, -0.3],
       [-0.3, 0.3],
       [0.3, -0.3],
     ] as const;
-    expect(refusalOf(crossed)).toContain("corner 1 and from corner 3");
+    expect(crossingOf(crossed)).toContain("corner 1 and from corner 3");
   });
   it("may lie beside the centre, as in Nav2", () => {
     const beside = [
@@ -42,7 +42,7 @@ describe("the outline of the robot", () => {
       [0.3, 0.1],
       [0.2, 0.3],
     ] as const;
-    expect(refusalOf(beside)).toBeNull();
+    expect(crossingOf(beside)).toBeNull();
   });
 });
 

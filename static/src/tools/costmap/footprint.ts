@@ -51,13 +51,16 @@ function meet(a: Point, b: Point, c: Point, d: Point): boolean {
   return ends.some(([p, q, r], i) => turns[i] === 0 && isBetween(p, q, r));
 }
 
-/** Why a polygon cannot be the outline of a robot; null if it can. */
-export function refusalOf(corners: readonly Point[]): string | null {
+/** A sentence if the outline of a robot crosses itself, which Nav2 accepts; null otherwise. */
+export function crossingOf(corners: readonly Point[]): string | null {
   const n = corners.length;
   const at = (i: number): Point => corners[i % n] as Point;
   for (let i = 0; i < n; i++)
     for (let j = i + 2; j < n; j++)
       if ((j + 1) % n !== i && meet(at(i), at(i + 1), at(j), at(j + 1)))
-        return `The outline crosses itself: the edges from corner ${i + 1} and from corner ${j + 1} meet.`;
+        return (
+          `The outline crosses itself: the edges from corner ${i + 1} and from corner ${j + 1} meet. As in Nav2 it ` +
+          "is taken as it is, and the inscribed radius is the distance from the centre to the nearest edge."
+        );
   return null;
 }
