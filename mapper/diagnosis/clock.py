@@ -1,4 +1,4 @@
-"""The stamps: jumps, duplicates, gaps, dropped scans, an irregular rate, and a smaller unit read as seconds.
+"""Checks of the stamps: jumps, duplicates, gaps, dropped scans, an irregular rate, and a unit below the second.
 
 Gaps are defined in :mod:`mapper.diagnosis.events.gaps`.
 """

@@ -1,4 +1,4 @@
-"""Costmaps of recordings: the messages nav2_msgs/Costmap read, and written to MCAP beside nav_msgs/OccupancyGrid.
+"""Costmaps in recordings: reading nav2_msgs/Costmap, and writing it to MCAP together with nav_msgs/OccupancyGrid.
 
 Sources: nav2_msgs, Costmap.msg and CostmapMetaData.msg; nav2_costmap_2d, costmap_2d_publisher.cpp (the costs of an
 OccupancyGrid).

@@ -1,12 +1,12 @@
 """Test whether a converged filter can be sure of its place.
 
-That particles agree on a place does not tell that it is the right one: of several places that look alike they keep one.
-Two things tell it. Readings contradict a place where beams go on behind walls of the map, and a scan of which the map
-explains little was not taken there, or the map is not that of the place any more. And other places, on which
-alternatives are begun again and again (:mod:`mapper.localization.recovery`), must be ruled out by their tests, one
-after the other and soon: where a test takes long, another place explains the scans nearly as well. In a map that is out
-of date a wrong place may explain furniture better than the right one, and more of them must be ruled out. Where the
-estimate jumps beside the odometry, what was ruled out before says nothing of the new place.
+Agreement of the particles does not show that the place is right, because they keep one of several similar places. Two
+conditions do. First, the map must explain the readings: beams that pass through walls contradict a place, and a scan of
+which the map explains little was taken elsewhere, or the map is outdated. Second, alternatives at other places, which
+are started repeatedly (:mod:`mapper.localization.recovery`), must be ruled out by their tests one after another and
+soon; a long test means that another place explains the scans nearly as well. In an outdated map a wrong place may
+explain furniture better than the right one, and more alternatives must be ruled out. If the estimate jumps relative to
+the odometry, earlier results do not apply to the new place.
 """
 
 from __future__ import annotations

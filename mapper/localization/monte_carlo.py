@@ -1,9 +1,9 @@
 """Monte Carlo localization: a particle filter on odometry and scans.
 
-Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. What neither has: many particles until
-the filter has converged, likelihoods that are scaled down where a scan would leave too few effective particles, sensor
-resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan, and an alternative: a
-second filter elsewhere in the map, which is tested against the first (:mod:`mapper.localization.recovery`).
+Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. Beyond these: many particles until the
+filter has converged, likelihoods that are scaled down if a scan would leave too few effective particles, sensor
+resetting (Lenser and Veloso 2000), which draws particles from the likelihood of a scan, and an alternative: a second
+filter elsewhere in the map that is tested against the first (:mod:`mapper.localization.recovery`).
 """
 
 from __future__ import annotations

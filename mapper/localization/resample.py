@@ -48,11 +48,11 @@ def resampled(
 ) -> Float64Array:
     """Return particles (m, 3) drawn from ``particles`` (n, 3) with ``weights`` (n,), by low variance.
 
-    m is what the KLD bound needs for the bins that as many draws as there were particles fill, at least
-    ``min_particles``, divided by the share of effective particles, at most ``most``: draws that are copies of few
-    particles stand for a belief as badly as those few (Straka and Šimandl 2006, Particle filter adaptation based on
-    efficient sample size). ``kept_share`` is the share that earlier stages of the same scan have left. Table 8.4 counts
-    the bins while it draws; here they are counted over one low-variance draw.
+    m is the KLD bound for the number of bins filled by n draws, at least ``min_particles``, divided by the fraction of
+    effective particles, and at most ``most``: copies of few particles represent a belief as badly as those few (Straka
+    and Šimandl 2006, Particle filter adaptation based on efficient sample size). ``kept_share`` is the fraction left by
+    earlier stages of the same scan. Table 8.4 counts the bins while drawing; here they are counted over one
+    low-variance draw.
     """
     chosen = drawn(weights, len(weights), u)
     needed = kld_number(number_of_bins(particles, chosen), config.pf_err, config.pf_z)

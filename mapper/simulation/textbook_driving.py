@@ -45,9 +45,9 @@ Pose = tuple[float, float, float]
 class Drive:
     """State of a robot of ``radius`` metres among the walls ``segments`` (n, 4): x0, y0, x1, y1, metres.
 
-    ``path`` (n, 2), metres, is what is left of its path; ``pose`` and ``before`` are ``T_map_base`` (m, m, rad) now and
+    ``path`` (n, 2), metres, is the remaining path; ``pose`` and ``before`` are ``T_map_base`` (m, m, rad) now and
     a step ago; ``linear`` (m/s) and ``angular`` (rad/s) are its velocities, ``commanded`` the commanded ones;
-    ``progress`` (m, m, s) is the place and the time of its last progress.
+    ``progress`` (m, m, s) is the position and time of its last progress.
     """
 
     segments: Float64Array

@@ -1,11 +1,11 @@
-"""Brakes on requests: guesses of secrets are refused for a while, and many requests of one visitor wait.
+"""Brakes on requests: a client with many wrong secrets is refused for a while, and many requests of a visitor wait.
 
 The wrong secrets of a network are counted together (an IPv6 address counts as its /64 network), and the count decreases
 at a constant rate. Clients that prove a right secret by a cookie are not affected. Class codes have two brakes,
 :class:`CodeGuesses`.
 
-A request takes one to three milliseconds of the event loop, which all visitors share. Some hundreds a second of one
-visitor, also of refused ones, would delay everybody else's frames (:class:`RequestPace`).
+A request takes one to three milliseconds of the event loop, which all visitors share. Several hundred per second from
+one visitor, even refused ones, would delay everyone else's frames (:class:`RequestPace`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Counts(Protocol):
     """Numbers by key, each with the time at which it was set."""
 
     def get(self, key: str) -> tuple[float, float]:
-        """Return the number of a key and its time; 0 and 0 for none."""
+        """Return the number of a key and its time; 0 and 0 if there is none."""
 
     def set(self, key: str, number: float, at: float) -> None:
         """Set the number of a key."""
@@ -43,7 +43,7 @@ class OwnCounts:
         self._entries: OrderedDict[str, tuple[float, float]] = OrderedDict()  #: oldest first
 
     def get(self, key: str) -> tuple[float, float]:
-        """Return the number of a key and its time; 0 and 0 for none."""
+        """Return the number of a key and its time; 0 and 0 if there is none."""
         return self._entries.get(key, (0.0, 0.0))
 
     def set(self, key: str, number: float, at: float) -> None:

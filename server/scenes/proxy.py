@@ -5,10 +5,9 @@ WebSocket is forwarded; viser's HTTP server, which reads files, is not reachable
 browser's messages that :func:`server.scenes.browser_messages.passes` accepts are forwarded, and viser's messages only
 as fast as the browser draws them: a browser that draws slowly is sent the newest state instead of every state.
 
-viser's client takes messages as fast as they come, keeps them, and works them off frame by frame; in a tab that is
-hidden it draws no frames. A script in its page (:data:`SCRIPT`) reports each message once it was worked off. While a
-few messages are not reported, the proxy takes no further ones from viser, whose buffer meanwhile drops what newer
-messages replace.
+viser's client accepts messages as fast as they come, and processes them frame by frame; in a hidden tab it draws no
+frames. A script in its page (:data:`SCRIPT`) reports each processed message. While a few messages are not reported, the
+proxy reads no further ones from viser, whose buffer meanwhile drops messages that newer ones replace.
 """
 
 from __future__ import annotations
@@ -70,9 +69,9 @@ class Pace:
         self._ahead += 1
 
 
-#: It reports each message that was worked off (:mod:`server.scenes.proxy`): viser's worker sends what is posted to it
-#: as ``send`` once it has told of the connection, and a message is worked off in the frame after its arrival. The
-#: first report says that the page has this script.
+#: It reports each processed message. viser's worker sends what is posted to it as ``send`` once it has reported the
+#: connection, and a message is processed in the frame after its arrival. The first report says that the page has this
+#: script.
 #:
 #: viser's client reconnects only while its document has the focus, which a view inside of a page rarely has. Here it is
 #: enough that the page is visible.

@@ -1,8 +1,8 @@
-"""Dijkstra's algorithm with buckets, and A* with a binary heap in which each cell stands at most once.
+"""Dijkstra's algorithm with buckets, and A* with a binary heap that contains each cell at most once.
 
-Dijkstra's gives the cost to come of every cell that costs no more than the goal. Cells wait in buckets that are
-narrower than the cheapest step. No step leads from a bucket back into the same one, so the cells of the lowest bucket
-are final whatever their order, and no heap is needed. Source: Dial, Algorithm 360: Shortest-Path Forest with
+Dijkstra's algorithm computes the cost-to-come of every cell that costs no more than the goal. Cells are kept in buckets
+narrower than the cheapest step. No step leads from a bucket into the same one, so the cells of the lowest bucket are
+final in any order, and no heap is needed. Source: Dial, Algorithm 360: Shortest-Path Forest with
 Topological Ordering, 1969.
 """
 

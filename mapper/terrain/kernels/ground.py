@@ -1,8 +1,8 @@
-"""The steps of SMRF, and the segments that are given back; :mod:`mapper.terrain.textbook_ground` has them in NumPy.
+"""The steps of SMRF, and the segments that are restored; :mod:`mapper.terrain.textbook_ground` is the same in NumPy.
 
-Grids are (rows, cols) float32 in metres above the lowest corner. Points are (n, 3) float64 in metres, all of them
-within the grid. A segment is a smooth set of cells that discs cut off; those that go on smoothly into the ground are
-given back.
+Grids are (rows, cols) float32 in metres above the lowest corner. Points are (n, 3) float64 in metres, all within the
+grid. A segment is a smooth set of cells removed by the discs; those that continue smoothly into the ground are
+restored.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Beams and depth images in truncated signed distances.
+"""Integration of beams and depth images into truncated signed distance fields.
 
-Of a beam, the voxels around its end, one beam after the other; numba twin of
+Of a beam, the voxels around its end, beam by beam; numba twin of
 :func:`mapper.volume.surface.textbook.fuse_points`. Source: Curless & Levoy, SIGGRAPH 1996: signed distances along the
 line of sight; Amanatides & Woo, 1987, for the voxels on a line.
 

@@ -45,10 +45,9 @@ def marked_blocks(
 
 @jit
 def add_parts(parts: Int32Array, slots: Int32Array, part_bits: UInt16Array, first: int) -> int:
-    """Number the parts of blocks that are bits of ``part_bits`` (n,) and have no number; return how many.
+    """Assign indices to the parts in the bits of ``part_bits`` (n,) that have none; return their number.
 
-    The first new one is numbered ``first``. ``parts`` (slots, 16) are the numbers of the parts of all blocks, 0 where
-    there is none.
+    The first new index is ``first``. ``parts`` (slots, 16) are the part indices of all blocks, 0 for none.
     """
     number = first
     for i in range(slots.shape[0]):

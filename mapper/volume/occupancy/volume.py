@@ -1,4 +1,4 @@
-"""A map of occupied, free and unknown voxels, made of point clouds whose sensor's place is known.
+"""Map of occupied, free and unknown voxels from point clouds with known sensor positions.
 
 The log-odds of blocks of 8³ voxels are kept only for those parts of 2 × 2 × 8 voxels in which some are known.
 """

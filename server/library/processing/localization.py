@@ -66,10 +66,10 @@ class LocalizeOutcome:
 
 @dataclass(frozen=True, slots=True)
 class LocalizeJob(BoundedJob[LocalizeOutcome]):
-    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in a map.
+    """Localize the log in ``pack`` with the odometry ``trajectory`` (None: the log's) in a map.
 
     The map is the file ``reference_map``; ``initial_pose`` is in it, None: anywhere. ``out`` is the path of its files
-    without their endings, ``parameters`` those that differ from the first values. ``mapping`` are parameters of the
+    without their endings, ``parameters`` those that differ from the defaults. ``mapping`` are parameters of the
     log's own map, whose mount and time offset are used.
     """
 

@@ -87,7 +87,7 @@ class SurfaceDrawer(Drawer[Surface, Surface]):
 
     @property
     def unsettled(self) -> bool:
-        """Whether replaced nodes are still there: the scene is drawn again, and they are removed."""
+        """Whether replaced nodes still exist, which the next redraw removes."""
         return self._nodes.unsettled
 
     def show(self, content: Surface) -> None:
@@ -121,7 +121,7 @@ class VoxelsDrawer(Drawer[Voxels, Voxels]):
 
     @property
     def unsettled(self) -> bool:
-        """Whether replaced nodes are still there: the scene is drawn again, and they are removed."""
+        """Whether replaced nodes still exist, which the next redraw removes."""
         return self._nodes.unsettled
 
     def show(self, content: Voxels) -> None:

@@ -106,7 +106,7 @@ class LogOptions:
 class FleetJob(BoundedJob[MapFacts]):
     """Read ``source``, examine it, map it, and draw its map into ``picture``.
 
-    The map is kept as ``map`` (.yaml, .pgm) where that is given.
+    The map is stored as ``map`` (.yaml, .pgm) if that is given.
     """
 
     DOING = "Reading, examining and mapping this log"
