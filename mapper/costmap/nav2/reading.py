@@ -393,7 +393,7 @@ def _not_inflated(layers: Sequence[NamedLayer], where: str) -> list[str]:
     """
     notes = []
     inflation = None
-    after = []
+    after: list[str] = []
     for layer in layers:
         if isinstance(layer.config, InflationConfig) and layer.config.enabled:
             inflation, after = layer, []
