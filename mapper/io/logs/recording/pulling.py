@@ -1,7 +1,7 @@
-"""The messages of some topics of a recording, one after another, as they are asked for.
+"""Messages of some topics of a recording, one after another on demand.
 
-The readers of containers hand their messages over, so one runs on a thread of its own, which waits while
-:data:`AHEAD` messages have not been asked for.
+The readers of containers push their messages, so one runs on a separate thread, which waits while :data:`AHEAD`
+messages have not been consumed.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from mapper.io.logs.names import printable
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.ros.ros_messages import plain_type
 
-AHEAD = 2  #: messages that are read before they are asked for
-_LOOK_S = 0.2  #: between two looks whether the messages are still wanted
+AHEAD = 2  #: messages read ahead
+_LOOK_S = 0.2  #: between two checks whether the messages are still needed
 
 Take = Callable[[Source, MessageSink, Limits, Progress | None], None]
 
 
 @dataclass(frozen=True, slots=True)
 class PulledMessage:
-    """A message: of which type it is, whether it is CDR, and when it was recorded."""
+    """A message: its type, whether it is CDR, and its recording time."""
 
     stamp_ns: int
     type: str
@@ -38,7 +38,7 @@ class PulledMessage:
 
 
 class _UnwantedError(Exception):
-    """Nobody asks for more messages."""
+    """No more messages are needed."""
 
 
 class _Pulled(MessageSink):
@@ -84,9 +84,9 @@ class _Pulled(MessageSink):
 
 
 def pulled(files: Sequence[Source], take: Take, topic: str, kind: str, limits: Limits) -> Iterator[PulledMessage]:
-    """Yield the messages of one topic and type of the recording that is in ``files``.
+    """Yield the messages of one topic and type of the recording in ``files``.
 
-    Of a file that is cut or damaged, those that can be read. Raises as reading the recording does.
+    For a cut or damaged file, those that can be read. Raises the errors of reading the recording.
     """
     queue: Queue[PulledMessage | None] = Queue(AHEAD)
     closed = threading.Event()
