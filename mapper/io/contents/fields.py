@@ -1,6 +1,6 @@
-"""The numbers in the messages of any topic over time, by the definition that the recording carries.
+"""Numbers in the messages of any topic over time, decoded with the recording's definition.
 
-For a process with limits, as :mod:`mapper.io.contents.message_tree`, which decodes the messages.
+To be run in a process with limits, like :mod:`mapper.io.contents.message_tree`, which decodes the messages.
 """
 
 from __future__ import annotations
@@ -43,25 +43,25 @@ _NAMES = {
 
 
 def unit_of(field: str) -> str:
-    """Return the unit of a field, by its path in the message; an empty text where its name has none."""
+    """Return the unit of a field, from its path in the message; empty if unknown."""
     rest, _, name = field.rpartition(".")
     return _AXES.get(rest.rpartition(".")[2], "") if name in ("x", "y", "z") else _NAMES.get(name, "")
 
 
-MAX_COLUMNS = 400  #: numbers of a message that are kept
-MAX_VALUES = 1 << 22  #: numbers of all messages together, from which on neighbours are joined to their extremes
-WHOLE, FIRST = 36, 8  #: arrays up to WHOLE elements, as a covariance has, are kept whole; of longer ones the FIRST
-LAST_NS = 1 << 62  #: a time beyond this is a defect
+MAX_COLUMNS = 400  #: numbers stored per message
+MAX_VALUES = 1 << 22  #: numbers of all messages in total, above which neighbours are reduced to their extremes
+WHOLE, FIRST = 36, 8  #: arrays of up to WHOLE elements, such as covariances, are kept; of longer ones the FIRST
+LAST_NS = 1 << 62  #: a later time is invalid
 _NUMBERS = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
 _QUATERNION = frozenset("xyzw")
-#: What the numbers of a stamp are called in ROS 2, ROS 1, Foxglove's JSON and Protocol Buffers.
+#: Field names of a stamp in ROS 2, ROS 1, Foxglove's JSON and Protocol Buffers.
 _SECONDS, _NANOSECONDS = ("sec", "secs", "seconds"), ("nanosec", "nsecs", "nsec", "nanos")
 
 
 def numbers_in(tree: Tree) -> dict[str, float]:
-    """Return the numbers of a message by the paths of their fields, as in ``pose.position.x`` and ``ranges[0]``.
+    """Return the numbers of a message by field path, such as ``pose.position.x`` and ``ranges[0]``.
 
-    Of a quaternion ``roll``, ``pitch`` and ``yaw`` follow, in rad, as in REP 103; of one that is no rotation NaN.
+    A quaternion is followed by ``roll``, ``pitch`` and ``yaw``, in rad, by REP 103; NaN for an invalid rotation.
     """
     return dict(zip(*zip(*_numbers(tree, ""), strict=True), strict=True)) if tree else {}
 
@@ -84,13 +84,13 @@ def _numbers(value: object, path: str) -> Iterator[tuple[str, float]]:
 def _angles(quaternion: dict[str, Any]) -> tuple[float, float, float]:
     x, y, z, w = (float(value) if isinstance(value, int | float) else math.nan for value in map(quaternion.get, "xyzw"))
     length = math.sqrt(x * x + y * y + z * z + w * w)
-    if not 0.5 < length < 2.0:  # also of NaN
+    if not 0.5 < length < 2.0:  # also for NaN
         return math.nan, math.nan, math.nan
     return to_euler(x / length, y / length, z / length, w / length)
 
 
 def stated_ns(tree: Tree) -> int:
-    """Return the stamp that a message states, ns; 0 for none."""
+    """Return the stamp stated by a message, ns; 0 for none."""
     header = tree.get("header")
     stamp = header.get("stamp") if isinstance(header, dict) else tree.get("stamp", tree.get("timestamp"))
     if not isinstance(stamp, dict):
@@ -102,9 +102,9 @@ def stated_ns(tree: Tree) -> int:
 
 @dataclass(frozen=True, slots=True)
 class TopicFields:
-    """The paths of the numbers in the first message of a topic; ``why`` there are none, a sentence, else empty.
+    """The paths of the numbers in the first message of a topic; ``why`` is a sentence if there are none, else empty.
 
-    ``frames`` are the coordinate frames that the message names.
+    ``frames`` are the coordinate frames named in the message.
     """
 
     topic: str
@@ -120,9 +120,9 @@ def fields_of(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> list[TopicFields]:
-    """Return fields and frames of each of ``topics``, of names and types, by its first message; it is read once.
+    """Return fields and frames of each of ``topics``, given by name and type, from its first message, in one pass.
 
-    Raises as reading the recording does.
+    Raises the errors of reading the recording.
     """
     all_topics = list(topics)
     names_of_all = {topic for topic, _ in all_topics}
@@ -149,7 +149,7 @@ def fields_of(
 
 
 class _Rows(MessageSink):
-    """Takes the messages of one topic as rows of numbers."""
+    """Collects the messages of one topic as rows of numbers."""
 
     as_recorded = True
 
@@ -212,7 +212,7 @@ class _Rows(MessageSink):
             self._join()
 
     def series(self) -> Series:
-        """Return the rows so far, in the order of their times."""
+        """Return the rows so far, in time order."""
         stamps = np.array(self.stamps, dtype=np.int64)
         values = np.stack([np.array(column) for column in self.columns.values()], axis=-1)
         order = np.argsort(stamps, kind="stable")
@@ -229,11 +229,11 @@ class _Rows(MessageSink):
 def field_series(
     path: Path, topic: str, message_type: str, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
 ) -> Series:
-    """Return all numbers of a topic's messages of a type over time, float64, at the stamps that they state.
+    """Return all numbers of a topic's messages of a type over time, float64, at their stated stamps.
 
-    Where one states none, that is the time of its recording.
-    The recording is read once. Where there are more than :data:`MAX_VALUES`, rows are the extremes of intervals, as
-    :func:`min_max` makes them. Raises :class:`ReadError` and :class:`LimitError` as reading and decoding do.
+    A message without a stamp has its recording time. The recording is read once. If there are more than
+    :data:`MAX_VALUES`, rows are the extremes of intervals, as in :func:`min_max`. Raises the :class:`ReadError` and
+    :class:`LimitError` of reading and decoding.
     """
     files, kind = parts_of(path, limits)
     if not isinstance(kind, Container):

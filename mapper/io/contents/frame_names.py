@@ -1,6 +1,6 @@
-"""The coordinate frames that a message names.
+"""Coordinate frames named in a message.
 
-Source: std_msgs/Header, and the definitions of the messages that begin with one, of ROS 1 and ROS 2.
+Source: std_msgs/Header, and the definitions of the messages that start with one, in ROS 1 and ROS 2.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 
 MAX_FRAMES = 50  #: names of one message
 MAX_NAME = 200  #: characters of a name
-_NAMES = frozenset(("frame_id", "child_frame_id", "parent_frame_id"))  #: the last of Foxglove
+_NAMES = frozenset(("frame_id", "child_frame_id", "parent_frame_id"))  #: the last one in Foxglove
 
-#: Types that begin with a Header, for recordings that do not define their types.
+#: Types that start with a Header, for recordings without definitions.
 HEADED = frozenset(
     f"{package}/{name}"
     for package, names in {
@@ -30,17 +30,17 @@ HEADED = frozenset(
     }.items()
     for name in names.split()
 )
-#: Those of them in which the name of a child frame follows.
+#: Those followed by the name of a child frame.
 _WITH_CHILD = frozenset(("nav_msgs/Odometry", "geometry_msgs/TransformStamped"))
 
 
 def frames_in(tree: Tree) -> tuple[str, ...]:
-    """Return the frames that a message names in its fields of :data:`_NAMES`, at any depth."""
+    """Return the frames named in a message's fields :data:`_NAMES`, at any depth."""
     return _named(_values(tree))
 
 
 def frames_of_type(kind: str, data: bytes, *, cdr: bool) -> tuple[str, ...]:
-    """Return the frames that a message of a type of :data:`HEADED` names first; none of any other."""
+    """Return the frames at the start of a message of a type in :data:`HEADED`; none for other types."""
     if kind not in HEADED:
         return ()
     fields = MessageFields(data, cdr=cdr)
@@ -52,7 +52,7 @@ def frames_of_type(kind: str, data: bytes, *, cdr: bool) -> tuple[str, ...]:
 
 
 def _named(names: Iterator[str]) -> tuple[str, ...]:
-    named: dict[str, None] = {}  # a set in order
+    named: dict[str, None] = {}  # used as an ordered set
     for name in names:
         if len(named) == MAX_FRAMES:
             break

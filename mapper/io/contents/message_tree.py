@@ -1,7 +1,7 @@
-"""Any message of a recording as a tree of its fields, by the definition that the recording carries.
+"""Any message of a recording as a tree of its fields, decoded with the recording's definition.
 
-For a process with limits: the definition and the message were written by others. Every length is compared with the
-bytes that are there, and the numbers of values and levels are limited (:mod:`mapper.io.contents.tree_values`).
+To be run in a process with limits, because the definition and the message are untrusted. Every length is compared with
+the available bytes, and the numbers of values and levels are limited (:mod:`mapper.io.contents.tree_values`).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from mapper.io.logs.ros.ros_messages import plain_type
 def tree_of(types: Definitions, kind: str, data: bytes, *, cdr: bool) -> Tree:
     """Return the fields of a message by name.
 
-    An array is a list of its first :data:`SHOWN` elements and a sentence on the rest. Numbers that JSON has not are
-    the texts ``.nan``, ``.inf`` and ``-.inf``, as in YAML. Raises :class:`ReadError` and :class:`LimitError`.
+    An array is a list of its first :data:`SHOWN` elements and a sentence on the rest. Numbers that JSON lacks are the
+    strings ``.nan``, ``.inf`` and ``-.inf``, as in YAML. Raises :class:`ReadError` and :class:`LimitError`.
     """
     try:
         decoder = _Decoder(types, MessageFields(data, cdr=cdr))
@@ -38,7 +38,7 @@ class _Decoder:
         check_size(self._values, depth)
         own = self._types[kind]
         if not own and self.fields.cdr:
-            self.fields.unpack("B", 1)  # IDL has no empty structure: ROS 2 puts a byte into it
+            self.fields.unpack("B", 1)  # IDL has no empty structure, so ROS 2 inserts a byte
         return {field.name: self._field(field.type, field.length, depth) for field in own}
 
     def _field(self, kind: str, length: int | None, depth: int) -> object:
@@ -50,7 +50,7 @@ class _Decoder:
             raise BadMessageError
         if kind in PRIMITIVES:
             return cut_list(self._numbers(kind, n), n)
-        # The rest is read as well, as what comes after it begins at its end; of what has no bytes there is nothing.
+        # The rest is also read, because the next field starts at its end, unless elements have no bytes.
         values: list[object] = []
         for i in range(n if least else min(n, SHOWN)):
             before = self._values
@@ -72,7 +72,7 @@ class _Decoder:
         return self.message(kind, depth + 1)
 
     def _numbers(self, kind: str, n: int) -> list[object]:
-        """Return the first of ``n`` numbers, and go on behind the last."""
+        """Return the first of ``n`` numbers, and continue after the last."""
         code, size = PRIMITIVES[kind]
         fields = self.fields
         if n == 0:
@@ -87,7 +87,7 @@ class _Decoder:
         return [plain_number(value) for value in values]
 
     def _least_bytes(self, kind: str, depth: int) -> int:
-        """Return how many bytes a value of a type has at least."""
+        """Return the minimum size in bytes of a value of a type."""
         if kind in PRIMITIVES:
             return PRIMITIVES[kind][1]
         if kind == STRING:
@@ -96,7 +96,7 @@ class _Decoder:
             return 8
         if kind not in self._least:
             check_size(0, depth)
-            self._least[kind] = 0  # of a type that has itself as a field
+            self._least[kind] = 0  # for a type that contains itself
             own = self._types[kind]
             self._least[kind] = sum(self._least_of(field, depth + 1) for field in own) if own else int(self.fields.cdr)
         return self._least[kind]

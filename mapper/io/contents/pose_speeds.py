@@ -1,6 +1,6 @@
-"""The speeds of an odometry whose messages state none: those of its poses.
+"""Speeds computed from the poses of odometry whose messages state none.
 
-Source: the definition of nav_msgs/Odometry, whose twist is in the frame of the base. Drivers that measure none leave it
+Source: the definition of nav_msgs/Odometry, whose twist is in the base frame. Drivers that do not measure it leave it
 at zero.
 """
 
@@ -15,12 +15,12 @@ from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.contents.model import Column
 
-MOST = 3.0e38  #: a speed beyond it does not fit into float32
-FROM_POSES = "from poses"  #: behind the names of such speeds
+MOST = 3.0e38  #: larger speeds do not fit into float32
+FROM_POSES = "from poses"  #: suffix of the names of such speeds
 
 
 def states_speeds(rows: Float64Array) -> bool:
-    """Return whether an odometry states speeds, or never moves.
+    """Return whether odometry states speeds, or never moves.
 
     ``rows`` (n, 6) are forward and sideways (m/s), turning (rad/s), x and y (m), yaw (rad) of each message.
     """
@@ -29,14 +29,14 @@ def states_speeds(rows: Float64Array) -> bool:
 
 
 def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Array:
-    """Return forward and sideways (m/s) and turning (rad/s), (n, 3), of poses (n, 3) since the one before.
+    """Return forward and sideways (m/s) and turning (rad/s) speeds, (n, 3), of poses (n, 3) since the previous one.
 
-    ``stamps_ns`` (n,) ascend. NaN for the first pose, for a pose at the time of the one before, and for speeds above
+    ``stamps_ns`` (n,) ascend. NaN for the first pose, for a pose at the time of the previous one, and for speeds above
     :data:`MOST`.
     """
     seconds = np.diff(stamps_ns) * 1e-9
     moved = compose(inverse(poses[:-1]), poses[1:])
-    # On an arc the robot moves along the mean of its two headings.
+    # On an arc the robot moves along the mean of the two headings.
     half = 0.5 * moved[:, 2]
     cos, sin = np.cos(half), np.sin(half)
     x, y = moved[:, 0], moved[:, 1]
@@ -49,5 +49,5 @@ def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Arr
 
 
 def from_poses(columns: tuple[Column, ...]) -> tuple[Column, ...]:
-    """Return the columns of an odometry with the names of speeds that are those of its poses."""
+    """Return the columns of odometry with the names of speeds computed from its poses."""
     return tuple(replace(column, label=f"{column.label} {FROM_POSES}") for column in columns[:3]) + columns[3:]

@@ -1,6 +1,6 @@
-"""One message of a recording as a tree: the newest of a topic at a moment.
+"""One message of a recording as a tree: the newest of a topic at a time.
 
-A message in JSON names its fields itself. Source: RFC 8259; mcap.dev/spec/registry.
+A JSON message names its fields itself. Source: RFC 8259; mcap.dev/spec/registry.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from mapper.io.contents.tree_values import (
 from mapper.io.logs.containers import mcap_file
 from mapper.io.logs.ros.ros_messages import plain_type
 
-MAX_BYTES = 1 << 24  #: of one message: as objects of Python it may take thirty times as much memory
+MAX_BYTES = 1 << 24  #: of one message: as Python objects it may need thirty times the memory
 
 
 def tree_of_json(kind: str, data: bytes) -> Tree:
-    """Return the fields of a message by name, as :func:`mapper.io.contents.message_tree.tree_of` does.
+    """Return the fields of a message by name, like :func:`mapper.io.contents.message_tree.tree_of`.
 
     Raises :class:`ReadError` and :class:`LimitError`.
     """
@@ -67,7 +67,7 @@ class _Cutter:
         if isinstance(value, dict):
             return self.tree(value, depth + 1)
         if isinstance(value, list):
-            shown = value[:SHOWN] if self._values < MAX_SHOWN // 2 else []  # the rest is for what follows
+            shown = value[:SHOWN] if self._values < MAX_SHOWN // 2 else []  # reserve the rest for what follows
             return cut_list([self._value(item, depth + 1) for item in shown], len(value))
         return _text(value) if isinstance(value, str) else plain_number(value)
 
@@ -77,7 +77,7 @@ def _text(value: str) -> str:
 
 
 Decoder = Callable[[bytes], Tree]
-#: Kinds of definitions of ROS → what reads them.
+#: Kinds of ROS definitions → their parsers.
 _TEXTS: dict[str, Callable[[str, str], Definitions]] = {
     "ros1msg": definitions_of,
     "ros2msg": definitions_of,
@@ -87,7 +87,7 @@ _TEXTS: dict[str, Callable[[str, str], Definitions]] = {
 
 @dataclass(frozen=True, slots=True)
 class RawMessage:
-    """A message: its type, when it was recorded, its size, and its fields."""
+    """A message: its type, recording time, size, and fields."""
 
     type: str
     stamp_ns: int
@@ -96,10 +96,10 @@ class RawMessage:
 
 
 def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS) -> RawMessage:
-    """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
+    """Return the newest message of ``topic`` recorded at or before ``at_ns``; before the first, the first.
 
-    Raises :class:`ReadError` where there is none, or where it cannot be read with what the recording says of its type,
-    and :class:`LimitError`.
+    Raises :class:`ReadError` if there is none, or if it cannot be read with the recording's definition of its type, and
+    :class:`LimitError`.
     """
     message = message_at(path, topic, at_ns, limits, as_recorded=True)
     decode = decoder_of(topic, stated_in(path, (topic,), limits).get(topic))
@@ -107,10 +107,10 @@ def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIM
 
 
 def decoder_of(topic: str, stated: Stated | None) -> Decoder:
-    """Return what makes a tree of a message on a topic, by what the recording states of it.
+    """Return a function that converts a message on a topic to a tree, using the recording's definition.
 
-    Raises :class:`ReadError` where it states no definition, or one of a kind that is not read, and
-    :class:`LimitError`; so does the decoder for a message that is not as it is stated.
+    Raises :class:`ReadError` if there is no definition, or one of an unsupported kind, and :class:`LimitError`; so does
+    the function for a message that does not match.
     """
     if stated is None or not (stated.definition.strip() or stated.message_encoding == "json"):
         raise ReadError(
@@ -119,7 +119,7 @@ def decoder_of(topic: str, stated: Stated | None) -> Decoder:
             "index do not.",
         )
     kind = plain_type(stated.type)
-    if stated.message_encoding == "json":  # which names its fields
+    if stated.message_encoding == "json":  # names its fields itself
         return partial(tree_of_json, kind)
     form = stated.message_encoding, stated.definition_encoding
     if form == ("protobuf", "protobuf"):

@@ -1,7 +1,7 @@
-"""The messages that are plotted over time, decoded to a row of numbers each.
+"""Messages plotted over time, each decoded to a row of numbers.
 
 Source: the definitions of sensor_msgs/Imu, sensor_msgs/BatteryState, nav_msgs/Odometry, geometry_msgs/Twist and
-geometry_msgs/TwistStamped, of ROS 1 and ROS 2.
+geometry_msgs/TwistStamped, in ROS 1 and ROS 2.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from mapper.io.logs.ros.ros_messages import imu
 
 ODOMETRY = "nav_msgs/Odometry"
 
-Row = tuple[int, list[float]]  #: the stamp that the message states, ns, 0 for none, and its numbers
+Row = tuple[int, list[float]]  #: the stamp stated by the message, ns, 0 for none, and its numbers
 
 
 def _imu(data: bytes, *, cdr: bool) -> Row:
@@ -59,7 +59,7 @@ def _battery(data: bytes, *, cdr: bool) -> Row:
     except BadMessageError:
         if cdr:
             raise
-        return _battery_of(data, cdr=cdr, has_temperature=False)  # as ROS 1 defined it before Noetic
+        return _battery_of(data, cdr=cdr, has_temperature=False)  # as defined by ROS 1 before Noetic
 
 
 def _battery_of(data: bytes, *, cdr: bool, has_temperature: bool) -> Row:
@@ -98,7 +98,7 @@ class PlottedType:
     decode: Callable[..., Row]
 
 
-#: Type, without the ``msg`` that ROS 2 puts in the middle → what is plotted of it.
+#: Type, without the ``msg`` inserted by ROS 2 → its plotted fields.
 PLOTTED: dict[str, PlottedType] = {
     "sensor_msgs/Imu": PlottedType(
         (

@@ -157,7 +157,7 @@ def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
         return np.arange(len(stamps_ns), dtype=np.int64) * BETWEEN_NS
     rising = np.maximum.accumulate(stamps_ns)
     if rising[0] < 0 or rising[-1] > LAST_STAMP_NS:
-        span = rising.view(np.uint64) - rising[:1].view(np.uint64)  # unsigned: it need not fit a signed number
+        span = rising.view(np.uint64) - rising[:1].view(np.uint64)  # unsigned: it may not fit into a signed integer
         rising = np.minimum(span, np.uint64(LAST_STAMP_NS)).astype(np.int64)
     return rising
 

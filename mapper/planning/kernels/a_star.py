@@ -56,7 +56,11 @@ def search(
     slots: Int32Array,
     out: Float64Array,
 ) -> None:
-    """Write the cost-to-come (rows, cols) of the cells expanded by A*; infinity elsewhere."""
+    """Write the cost-to-come (rows, cols) of the cells expanded by A*; infinity elsewhere.
+
+    Numba twin of :func:`mapper.planning.textbook.a_star`. Cells are row · cols + col. ``least`` is the cheapest step;
+    ``keys``, ``cells`` and ``slots`` (rows · cols,) are working memory.
+    """
     cols = costs.shape[1]
     goal_row, goal_col = goal // cols, goal % cols
     out[:] = inf

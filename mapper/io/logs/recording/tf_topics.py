@@ -56,7 +56,10 @@ class TfTopics:
         self._nothing = Stated()
 
     def add(self, topic: str, transform: StampedPose, position: int, recorded_ns: int = 0) -> str:
-        """Add one transform of the message with index ``position``, recorded at ``recorded_ns``, on a topic."""
+        """Add one transform of the message with index ``position``, recorded at ``recorded_ns``, on a topic.
+
+        See :meth:`FrameTree.add`.
+        """
         stated = self._stated.setdefault(topic, Stated())
         before, statics = stated.edges, stated.statics
         ignored = stated.add(
