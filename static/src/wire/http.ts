@@ -216,8 +216,8 @@ export interface ErrorFigures {
 }
 
 /**
- * Figures of n errors, in their unit; `sse`, the sum of squared errors, in its square. `std` is the standard deviation
- * of the errors around their mean, divided by n, not n − 1.
+ * Statistics of n errors, in their unit; `sse`, the sum of squared errors, is in its square. `std` is the standard
+ * deviation of the errors around their mean, divided by n, not n − 1.
  */
 export interface ErrorStatistics {
   readonly rmse: number;
@@ -679,8 +679,8 @@ export interface MeanErrors {
 }
 
 /**
- * Measures of one map. `agreement` is the F-score of its walls with the reference's, 0 … 1 (:func:`wall_agreement`),
- * `sharpness` the contrast of its walls, 0 … 1 (:func:`wall_contrast`), `entropy` the mean entropy of its observed
+ * Measures of one map. `agreement` is the F-score of its walls against the reference, 0 to 1 (:func:`wall_agreement`),
+ * `sharpness` the contrast of its walls, 0 to 1 (:func:`wall_contrast`), `entropy` the mean entropy of its observed
  * cells, bits.
  */
 export interface Measures {
@@ -905,8 +905,8 @@ export interface OtherLog {
 }
 
 /**
- * One row of a table of parameters; `kind` says which of the other fields are used. `number`: low ≤ value ≤ high in
- * `unit`, with a slider of step `step`. `choice`: one of `choices`. `flag`: true or false. `group` names the panel that
+ * One row of a parameter table. `kind` determines which of the other fields are used. `number`: low ≤ value ≤ high in
+ * `unit`, with a slider of step `step`. `choice`: one of `choices`. `flag`: a boolean. `group` names the panel that
  * shows the row. `only_for` lists the choices of the table's first row (the model, the sensor's kind) for which the
  * parameter is used; empty means all.
  */
@@ -990,8 +990,8 @@ export interface PresentHistory {
 
 /**
  * The mean error of a program's poses over the relations of a log, metres and degrees; null: not published. `policy` is
- * how stamps were mapped, as :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper": that of the source.
- * `count` is the number of relations, where it is known.
+ * the mapping of stamps, as in :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper" for that of the
+ * source. `count` is the number of relations, if known.
  */
 export interface PublishedResult {
   readonly program: string;
@@ -1365,9 +1365,9 @@ export interface TerrainOfUpload {
 }
 
 /**
- * Times of the scans. `start_s` is the earliest stamp since 1970, null for a clock that began elsewhere. A gap is a
- * pause of more than a second and five times the usual one between two scans; `longest_gap_at_s` is where the longest
- * begins, in seconds since the earliest stamp.
+ * Times of the scans. `start_s` is the earliest stamp since 1970, null for a clock with another epoch. A gap is a pause
+ * between two scans of more than a second and five times the usual one; `longest_gap_at_s` is the start of the longest,
+ * in seconds since the earliest stamp.
  */
 export interface TimeSummary {
   readonly start_s: number | null;
@@ -1378,10 +1378,9 @@ export interface TimeSummary {
 }
 
 /**
- * One stream of messages in the file that a log was read from. `frame` to `mount` are those of a range sensor, null of
- * anything else: `frame` is the one that its scans are stated in, `mount` `T_base_frame` (m, m, rad) where the file
- * says it; `chosen` marks the sensor whose scans the log holds. When its messages were recorded and how large they are,
- * :mod:`mapper.io.contents` finds out.
+ * One stream of messages in the file of a log. `frame` to `mount` apply to range sensors and are null for others:
+ * `frame` is the frame of its scans, `mount` is `T_base_frame` (m, m, rad) if the file states it; `chosen` marks the
+ * sensor whose scans the log contains. :mod:`mapper.io.contents` determines the times and sizes of its messages.
  */
 export interface Topic {
   readonly name: string;
