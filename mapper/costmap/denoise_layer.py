@@ -74,7 +74,10 @@ class DenoiseLayer:
 
 
 def small_groups(obstacles: BoolArray, least: int, connectivity: int) -> BoolArray:
-    """Return which ``obstacles`` (rows, cols) bool are in connected groups of fewer than ``least`` cells."""
+    """Return which ``obstacles`` (rows, cols) bool are in connected groups of fewer than ``least`` cells.
+
+    ``connectivity`` is 4 or 8.
+    """
     from scipy import ndimage  # noqa: PLC0415 - few costmaps have the layer
 
     labels, n = ndimage.label(obstacles, structure=np.ones((3, 3)) if connectivity == 8 else None)

@@ -172,7 +172,10 @@ class StaticLayer:
 
 
 def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:
-    """Return the cost (256,) uint8 of each map value; unknown (−1) has index 255."""
+    """Return the cost (256,) uint8 of each map value; unknown (−1) has index 255.
+
+    Source: nav2_costmap_2d, static_layer.cpp, interpretValue.
+    """
     values = np.arange(256)
     threshold = int(config.lethal_cost_threshold)
     between = (values / threshold * LETHAL).astype(np.int64)
@@ -294,7 +297,10 @@ class InflationLayer:
 def seen_by_sources(
     config: ObstacleConfig, observations: Sequence[Observation]
 ) -> list[tuple[SourceConfig, Observation]]:
-    """Return the source parameters of each observation, and its points within that source's heights."""
+    """Return the source parameters of each observation, and its points within that source's heights.
+
+    Source: nav2_costmap_2d, observation_buffer.cpp, bufferCloud.
+    """
     seen = []
     for observation in observations:
         source, z = config.source(observation.source), observation.points[:, 2]

@@ -24,7 +24,10 @@ def heights_of(config: VoxelConfig) -> Heights:
 
 
 class VoxelLayer(MarkedLayer):
-    """Obstacles marked by points and cleared by beams in three dimensions, seen from above."""
+    """Obstacles marked by points and cleared by beams in three dimensions, seen from above.
+
+    ``columns`` (rows, cols) uint32 are the voxels, see :mod:`mapper.costmap.kernels.voxels`.
+    """
 
     name = "voxel_layer"
 

@@ -103,7 +103,10 @@ def examined(log: ScanLog, trajectory: str | None = None, most: int = MOST_READI
 
 
 def examined_as_mapped(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[ScanLog, Examined]:
-    """Return the log at the middle of its sweeps, and its examined part with the mount and range of ``config``."""
+    """Return the log at the middle of its sweeps, and its examined part with the mount and range of ``config``.
+
+    Raises :class:`ConfigError` for a trajectory that the log lacks.
+    """
     whole = at_middle_of_sweep(log, trajectory, config.time_offset)
     seen = examined(whole, trajectory)
     values: dict[str, object] = {name: getattr(config, name) for name in OF_THE_MOUNT}

@@ -1,7 +1,7 @@
-"""Edit a map by hand: paint cells, keepout zones, speed limits, remove specks, turn, crop, move the origin; recorded.
+"""Manual map editing: paint cells, keepout zones, speed limits, remove specks, rotate, crop, move the origin; recorded.
 
-Each operation is in the map's coordinates as the operations before left them, so that a list can be carried out again
-on the same map.
+Each operation is in the map's coordinates after the operations before it, so that a list can be replayed on the same
+map.
 """
 
 from mapper.editing.edited_map import EditedMap

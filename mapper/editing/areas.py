@@ -1,4 +1,4 @@
-"""Cells of a map that a stroke or a polygon covers, in bands of rows."""
+"""Cells of a map covered by a stroke or a polygon, in bands of rows."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from mapper.core.array_types import BoolArray, Float64Array
 from mapper.grid.cell_box import CellBox
 from mapper.grid.occupancy_grid import GridGeometry
 
-BAND_CELLS = 1 << 18  #: most cells that are computed between two calls of ``check``, unless a row has more
+BAND_CELLS = 1 << 18  #: maximum number of cells computed between two calls of ``check``, except for longer rows
 _COUNT = np.int16  #: a line has at most 20,000 segments, see :data:`mapper.editing.operations.MAX_POINTS`
 
-#: A box of cells, and for each band of its rows the first row and which of the band's cells (rows, cols) are covered.
+#: A box of cells, and for each band of its rows the first row and a mask of the covered cells (rows, cols).
 Covered: TypeAlias = "tuple[CellBox, Iterator[tuple[int, BoolArray]]]"
 
 
 def row_bands(rows: int, cols: int, multiple: int = 1) -> Iterator[tuple[int, int]]:
-    """Yield the first row and the row after the last of bands, a ``multiple`` of rows of about :data:`BAND_CELLS`."""
+    """Yield the start and end rows of bands, each a ``multiple`` of rows with about :data:`BAND_CELLS`."""
     step = max(1, BAND_CELLS // (cols * multiple)) * multiple
     for row0 in range(0, rows, step):
         yield row0, min(row0 + step, rows)
@@ -40,7 +40,7 @@ def _box_around(geometry: GridGeometry, lattice: Float64Array, reach: float) -> 
 def _near_segment(v: Float64Array, a: Float64Array, b: Float64Array, reach: float) -> tuple[Float64Array, Float64Array]:
     """Return the first and the last u (n,) of the points (u, v) within ``reach`` of the segment from a to b.
 
-    The first is greater than the last where a line v has no such point.
+    The first is greater than the last if a line v has no such point.
     """
     first, last = np.full(v.shape, math.inf), np.full(v.shape, -math.inf)
     for u_end, v_end in (a, b):  # the discs at both ends
@@ -62,11 +62,10 @@ def _near_segment(v: Float64Array, a: Float64Array, b: Float64Array, reach: floa
 def stroke_cells(
     geometry: GridGeometry, points: Float64Array, width: float, check: Callable[[], None]
 ) -> Covered | None:
-    """Return the cells within half a ``width`` (m) of the line through ``points`` (n, 2), or under its points.
+    """Return the cells within half a ``width`` (m) of the line through ``points`` (n, 2), or containing its points.
 
-    None if the map has none near them. ``check`` is called before each segment and each band.
-
-    What is near a segment is convex: it covers one run of the cells of each row, of which the ends are counted.
+    None if the map has none near them. ``check`` is called before each segment and each band. The area near a segment
+    is convex, so it covers one run of cells in each row, whose ends are counted.
     """
     lattice = geometry.to_lattice(points)
     reach = width / 2.0 / geometry.resolution
@@ -105,10 +104,10 @@ def stroke_cells(
 
 
 def polygon_cells(geometry: GridGeometry, polygon: Float64Array, check: Callable[[], None]) -> Covered | None:
-    """Return the cells whose centres are in a ``polygon`` (n, 2), by the even-odd rule.
+    """Return the cells with centres in a ``polygon`` (n, 2), by the even-odd rule.
 
-    None if the map has none near them. ``check`` is called before each side and each band.
-    Each side is crossed by one line of centres in each of its rows: the cells before the crossing change sides.
+    None if the map has none near it. ``check`` is called before each side and each band. Each side is crossed by one
+    line of centres per row, where the cells before the crossing change sides.
     """
     lattice = geometry.to_lattice(polygon)
     box = _box_around(geometry, lattice, 0.0)

@@ -1,4 +1,4 @@
-"""A map with the edits that were made to it, which can be undone."""
+"""A map with its edits, which can be undone."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ from mapper.editing.operations import (
 from mapper.grid.occupancy_grid import GridGeometry
 
 MAX_EDITS = 2000
-_EVERY = 20  #: edits between two kept states,
-_COSTLY = (Rotate, Despeckle)  #: and edits of the whole map, after which the state is kept too: they take longest
+_EVERY = 20  #: edits between two stored states,
+_COSTLY = (Rotate, Despeckle)  #: and slow edits of the whole map, after which the state is also stored
 _LEAST_KEPT = 3  #: states
-MOST_KEPT_CELLS = 1 << 26  #: of all kept states
-_AT_ONCE = 1 << 16  #: cells that are turned at a time
-_EDGE = 1e-6  #: cells; so that a turn by 90° does not add a row for the sake of a rounding error
+MOST_KEPT_CELLS = 1 << 26  #: of all stored states
+_AT_ONCE = 1 << 16  #: cells rotated at a time
+_EDGE = 1e-6  #: cells; so that rounding errors of a rotation by 90° do not add a row
 
-Check: TypeAlias = "Callable[[], None]"  #: called between two parts of an edit; it raises an error to cancel the edit
+Check: TypeAlias = "Callable[[], None]"  #: called between two parts of an edit; raises an error to cancel the edit
 
 
 @dataclass(frozen=True, slots=True)
 class _State:
-    """A map between two edits: ``values``, ``keepout`` and ``speed`` (rows, cols) int8; they are not written to."""
+    """A map between two edits: ``values``, ``keepout`` and ``speed`` (rows, cols) int8; they are not modified."""
 
     geometry: GridGeometry
     values: Int8Array
@@ -57,10 +57,9 @@ class _State:
 class EditedMap:
     """A map of ``values`` (rows, cols) int8, 0 … 100 or −1 unknown as in nav_msgs/OccupancyGrid, and its edits.
 
-    ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 where nothing is forbidden, and ``speed`` those of
-    a speed filter's mask, 0 where there is no limit; None: 0 everywhere.
-    ``may_continue`` is called about every hundredth of a second during an edit; if it returns False, the edit raises
-    :class:`WorkCancelledError`, and nothing has changed.
+    ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 if nothing is forbidden, and ``speed`` those of a
+    speed filter's mask, 0 for no limit; None: 0 everywhere. ``may_continue`` is called about every hundredth of a
+    second during an edit; if it returns False, the edit raises :class:`WorkCancelledError`, and nothing has changed.
     """
 
     def __init__(
@@ -109,7 +108,7 @@ class EditedMap:
 
     @property
     def operations(self) -> Sequence[Operation]:
-        """The edits that are not undone, in their order."""
+        """The edits that are not undone, in order."""
         return tuple(self._operations[: self._n])
 
     @property
@@ -119,19 +118,19 @@ class EditedMap:
 
     @property
     def n_undone(self) -> int:
-        """Number of edits that are undone."""
+        """Number of undone edits."""
         return len(self._operations) - self._n
 
     @property
     def cells(self) -> int:
-        """Cells of all states that are kept for undoing."""
+        """Number of cells of all states stored for undoing."""
         return sum(3 * state.values.size for state in self._kept.values())
 
     def apply(self, operation: Operation) -> None:
-        """Make an edit; what was undone before is gone.
+        """Apply an edit; edits undone before are discarded.
 
-        Raises :class:`ConfigError` for an edit that leaves no cell or changes nothing that there is, and
-        :class:`LimitError` for more than 2,000 edits; then nothing has changed.
+        Raises :class:`ConfigError` for an edit that leaves no cell or has no effect, and :class:`LimitError` for more
+        than 2,000 edits; nothing has changed then.
         """
         if self._n >= MAX_EDITS:
             raise LimitError(
@@ -155,14 +154,14 @@ class EditedMap:
         return True
 
     def redo(self, steps: int = 1) -> bool:
-        """Make the ``steps`` edits again that were undone last, or all; return whether there was one."""
+        """Redo the last ``steps`` undone edits, or all; return whether there was one."""
         if not self.can_redo:
             return False
         self._go_to(min(self._n + steps, len(self._operations)))
         return True
 
     def _drop_states(self) -> None:
-        """Drop kept states, not the first, until their cells are few: of two neighbours the older goes."""
+        """Drop stored states, except the first, until they have few cells; the older of two neighbours is dropped."""
         while len(self._kept) > _LEAST_KEPT and self.cells > MOST_KEPT_CELLS:
             numbers = sorted(self._kept)
             gaps = [after - before for before, after in itertools.pairwise([*numbers, self._n + _EVERY])]
@@ -194,7 +193,7 @@ def _mask(geometry: GridGeometry, mask: Int8Array | None, what: str) -> Int8Arra
 
 
 def _from_lattice(geometry: GridGeometry, lattice: list[tuple[float, float]]) -> Float64Array:
-    """Return lattice coordinates (n, 2), (column, row), as map points (n, 2)."""
+    """Convert lattice coordinates (n, 2), (column, row), to map points (n, 2)."""
     return transform_points(geometry.origin, np.array(lattice, dtype=np.float64) * geometry.resolution)
 
 
@@ -286,15 +285,15 @@ _TOUCHING = np.ones((3, 3))  #: cells touch by sides or corners
 
 
 def without_specks(values: Int8Array, cells: float, check: Callable[[], None]) -> Int8Array:
-    """Return ``values`` (rows, cols) in which groups of at most ``cells`` occupied cells are free.
+    """Return ``values`` (rows, cols) with groups of at most ``cells`` occupied cells set to free.
 
-    ``check`` is called before each band of rows. The groups of a band are found alone; those that touch across the
-    border of two bands are joined afterwards.
+    ``check`` is called before each band of rows. The groups of a band are found separately; those that touch across the
+    border of two bands are then joined.
     """
     rows, cols = values.shape
     bands = [*row_bands(rows, cols)]
     groups = np.zeros(values.shape, dtype=np.int32)
-    sizes = [np.zeros(1, dtype=np.int64)]  # group 0 is no group
+    sizes = [np.zeros(1, dtype=np.int64)]  # group 0 means no group
     n_groups = 0
     for row0, row1 in bands:
         check()
@@ -328,7 +327,7 @@ def _touching(above: NDArray[np.int32], below: NDArray[np.int32]) -> NDArray[np.
 
 
 def _add_joined(n_cells: Int64Array, pairs: NDArray[np.int32]) -> None:
-    """Give each group of ``pairs`` (n, 2) the cells of all groups with which it is joined; ``n_cells`` is written."""
+    """Add to each group of ``pairs`` (n, 2) the cells of all groups joined with it; ``n_cells`` is modified."""
     joined, at = np.unique(pairs, return_inverse=True)
     first, second = at.reshape(-1, 2).T
     n = len(joined)

@@ -1,4 +1,4 @@
-"""Edited maps and their edits as files."""
+"""Files of edited maps and of their edits."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class EditSource(msgspec.Struct, frozen=True):
 
 
 def edits_text(edited: EditedMap, source: str = "") -> str:
-    """Return the edits as JSON: one operation a line. ``source`` names the map that was edited."""
+    """Return the edits as JSON, one operation per line. ``source`` names the edited map."""
     geometry = edited.source
     head = {
         "format": FORMAT,
@@ -55,7 +55,7 @@ def edits_text(edited: EditedMap, source: str = "") -> str:
 
 
 def read_edits(path: str | os.PathLike[str]) -> tuple[EditSource, list[Operation]]:
-    """Return the edits in a file as :func:`parse_edits`; also raises :class:`ReadError` where it cannot be read."""
+    """Return the edits in a file like :func:`parse_edits`; also raises :class:`ReadError` if it cannot be read."""
     try:
         with Path(path).open("rb") as file:
             data = file.read(MAX_BYTES + 1)
@@ -66,7 +66,7 @@ def read_edits(path: str | os.PathLike[str]) -> tuple[EditSource, list[Operation
 
 
 def parse_edits(data: bytes) -> tuple[EditSource, list[Operation]]:
-    """Return what a file of edits says of its source, and its operations.
+    """Return the source stated in a file of edits, and its operations.
 
     Raises :class:`ReadError` for bytes that are no such file or a source of other types, :class:`ConfigError` for an
     impossible edit, with its number, and :class:`LimitError` for more than 16 MiB or 2,000 edits.
@@ -103,9 +103,9 @@ def parse_edits(data: bytes) -> tuple[EditSource, list[Operation]]:
 
 
 def apply_edits(edited: EditedMap, source: EditSource, operations: Sequence[Operation]) -> None:
-    """Carry out the operations of a file of edits.
+    """Apply the operations of a file of edits.
 
-    Raises :class:`ConfigError` for edits of a map of another size or place, and, with the edit's number, as
+    Raises :class:`ConfigError` for edits of a map with another size or pose, and, with the edit's index, the errors of
     :meth:`EditedMap.apply`.
     """
     geometry = edited.source
@@ -128,7 +128,7 @@ def apply_edits(edited: EditedMap, source: EditSource, operations: Sequence[Oper
 
 
 def image_of(values: Int8Array) -> tuple[str, bytes]:
-    """Return the mode and the PGM of values (rows, cols): trinary where there are only 0, 100 and −1, else raw."""
+    """Return the mode and the PGM of values (rows, cols): trinary if there are only 0, 100 and −1, else raw."""
     is_trinary = bool(np.isin(values, (-1, 0, 100)).all())
     table = np.arange(256, dtype=np.uint8)
     table[255] = 255
@@ -141,9 +141,9 @@ def image_of(values: Int8Array) -> tuple[str, bytes]:
 def map_files(edited: EditedMap, stem: str, source: str = "", frame: str | None = None) -> Iterator[tuple[str, bytes]]:
     """Yield the names and the contents of the files of an edited map.
 
-    The image and its yaml; where there are keepout zones those of their mask, ``stem_keepout``; where there are speed
-    limits those of theirs, ``stem_speed``; where there are edits these, ``stem.edits.json``. Masks are of mode raw, in
-    which map_server takes the greys 0 … 100 for the values.
+    These are the image and its yaml; if there are keepout zones those of their mask, ``stem_keepout``; if there are
+    speed limits those of theirs, ``stem_speed``; and if there are edits ``stem.edits.json``. Masks use mode raw, in
+    which map_server reads the greys 0 … 100 as values.
     """
     mode, image = image_of(edited.values)
     yield f"{stem}.pgm", image
@@ -160,9 +160,9 @@ def map_files(edited: EditedMap, stem: str, source: str = "", frame: str | None 
 def save_edited(
     edited: EditedMap, prefix: str | os.PathLike[str], source: str = "", frame: str | None = None
 ) -> list[Path]:
-    """Write the files of an edited map beside ``prefix``; return their paths. Each appears whole or not at all.
+    """Write the files of an edited map with the given ``prefix``, each atomically; return their paths.
 
-    Raises :class:`ConfigError` where one cannot be written.
+    Raises :class:`ConfigError` if one cannot be written.
     """
     base = Path(prefix)
     if not base.name:

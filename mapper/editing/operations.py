@@ -1,4 +1,4 @@
-"""The operations of a map editor, as values and as JSON."""
+"""Operations of a map editor, as values and as JSON."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Any, ClassVar, TypeAlias
 
 from mapper.core.errors import ConfigError
 
-MAX_POINTS = 20_000  #: of one operation
+MAX_POINTS = 20_000  #: per operation
 MAX_WIDTH = 20.0  #: m, of a brush
 MAX_SPECK = 10_000  #: cells
 FARTHEST = 1e6  #: m
-VALUES = {"free": 0, "occupied": 100, "unknown": -1}  #: of nav_msgs/OccupancyGrid, by what is painted
+VALUES = {"free": 0, "occupied": 100, "unknown": -1}  #: of nav_msgs/OccupancyGrid, by the painted state
 
 Points: TypeAlias = "tuple[tuple[float, float], ...]"
 
@@ -45,9 +45,9 @@ def _state(value: object) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Paint:
-    """A stroke: cells whose centres are within ``width`` / 2 (m) of the line through ``points``, or under its ends.
+    """A stroke: cells with centres within ``width`` / 2 (m) of the line through ``points``, or containing a point.
 
-    ``state`` is free, occupied or unknown. The cells that hold a point are painted too, however narrow the brush is.
+    ``state`` is free, occupied or unknown. The cells that contain a point are painted even with a very narrow brush.
     """
 
     op: ClassVar[str] = "paint"
@@ -68,7 +68,7 @@ class Paint:
 
 @dataclass(frozen=True, slots=True)
 class Fill:
-    """Cells whose centres are in a polygon become free, occupied or unknown."""
+    """Set cells with centres in a polygon to free, occupied or unknown."""
 
     op: ClassVar[str] = "fill"
     state: str
@@ -86,7 +86,7 @@ class Fill:
 
 @dataclass(frozen=True, slots=True)
 class Keepout:
-    """Cells whose centres are in a polygon get a ``value`` of the keepout mask: 1 … 100, 0 for none."""
+    """Set a ``value`` of the keepout mask in cells with centres in a polygon: 1 … 100, 0 for none."""
 
     op: ClassVar[str] = "keepout"
     polygon: Points
@@ -104,7 +104,7 @@ class Keepout:
 
 @dataclass(frozen=True, slots=True)
 class Speed:
-    """Cells whose centres are in a polygon get a ``value`` of the speed filter's mask: 1 … 100, 0 for no limit."""
+    """Set a ``value`` of the speed filter's mask in cells with centres in a polygon: 1 … 100, 0 for no limit."""
 
     op: ClassVar[str] = "speed"
     polygon: Points
@@ -122,7 +122,7 @@ class Speed:
 
 @dataclass(frozen=True, slots=True)
 class Despeckle:
-    """Groups of at most ``cells`` occupied cells, which touch by sides or corners, become free."""
+    """Set groups of at most ``cells`` occupied cells, connected by sides or corners, to free."""
 
     op: ClassVar[str] = "despeckle"
     cells: float
@@ -138,9 +138,9 @@ class Despeckle:
 
 @dataclass(frozen=True, slots=True)
 class Rotate:
-    """The map turns by ``angle`` (rad, counter-clockwise) about the origin of its coordinates.
+    """Rotate the map by ``angle`` (rad, counter-clockwise) about the origin of its coordinates.
 
-    Its cells afterwards lie along the axes; each takes the value of the cell in which its centre was.
+    The new cells are axis-aligned; each has the value of the old cell that contains its centre.
     """
 
     op: ClassVar[str] = "rotate"
@@ -157,7 +157,7 @@ class Rotate:
 
 @dataclass(frozen=True, slots=True)
 class Crop:
-    """Only the cells that the rectangle between two corners (m) touches are kept."""
+    """Keep only the cells touched by the rectangle between two corners (m)."""
 
     op: ClassVar[str] = "crop"
     corners: Points
@@ -175,7 +175,7 @@ class Crop:
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """The place (``x``, ``y``, ``yaw``) of the map becomes (0, 0, 0); cells keep their values."""
+    """Move the pose (``x``, ``y``, ``yaw``) of the map to (0, 0, 0); cells keep their values."""
 
     op: ClassVar[str] = "origin"
     x: float
@@ -216,5 +216,5 @@ def parse_operation(entry: object) -> Operation:
 
 
 def operation_dict(operation: Operation) -> dict[str, Any]:
-    """Return an operation as :func:`parse_operation` reads it."""
+    """Return an operation as a mapping that :func:`parse_operation` reads."""
     return {"op": operation.op, **asdict(operation)}

@@ -1,8 +1,8 @@
-"""The motion that brings one trajectory onto another: with the least squared distances, or by the first pose.
+"""Alignment of one trajectory to another: by least squares, or by the first pose.
 
-Source: Umeyama 1991, Least-squares estimation of transformation parameters between two point patterns, IEEE PAMI
-13(4), in the plane, where the rotation has a closed form (:mod:`mapper.evaluation.textbook` takes the paper's singular
-value decomposition).
+Source: Umeyama 1991, Least-squares estimation of transformation parameters between two point patterns, IEEE PAMI 13(4),
+in the plane, where the rotation has a closed form (:mod:`mapper.evaluation.textbook` uses the paper's singular value
+decomposition).
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ class Alignment:
     scale: float = 1.0
 
     def apply(self, poses: Float64Array) -> Float64Array:
-        """Return poses (n, 3) in the reference's frame: positions scaled, turned and moved, headings turned."""
+        """Transform poses (n, 3) to the reference's frame: positions are scaled, rotated and translated, headings
+        rotated.
+        """
         points = transform_points((self.x, self.y, self.theta), self.scale * poses[:, :2])
         return np.column_stack([points, wrap_angle(poses[:, 2] + self.theta)])
 
@@ -49,7 +51,7 @@ def _scaled(reference: Float64Array, estimate: Float64Array) -> Alignment:
     return umeyama(reference[:, :2], estimate[:, :2], with_scale=True)
 
 
-#: How to align, by name: as it is, by the first pose, by least squares, by least squares with a scale.
+#: Alignment methods by name: none, by the first pose, by least squares, by least squares with a scale.
 ALIGNMENTS: Mapping[str, Callable[[Float64Array, Float64Array], Alignment]] = {
     "none": _none,
     "origin": _origin,
@@ -59,9 +61,10 @@ ALIGNMENTS: Mapping[str, Callable[[Float64Array, Float64Array], Alignment]] = {
 
 
 def align(reference: Float64Array, estimate: Float64Array, how: str = "rigid") -> Alignment:
-    """Return what brings the poses ``estimate`` (n, 3) onto ``reference`` (n, 3), n ≥ 1; ``how`` of :data:`ALIGNMENTS`.
+    """Return the alignment of the poses ``estimate`` (n, 3) to ``reference`` (n, 3), n ≥ 1; ``how`` of
+    :data:`ALIGNMENTS`.
 
-    Raises :class:`ConfigError` for another ``how``, for no poses, and where :func:`umeyama` does.
+    Raises :class:`ConfigError` for another ``how``, for no poses, and the errors of :func:`umeyama`.
     """
     if how not in ALIGNMENTS:
         raise ConfigError("evaluation.align", f"The alignment must be one of {', '.join(ALIGNMENTS)}, not {how!r:.40}.")
@@ -71,10 +74,10 @@ def align(reference: Float64Array, estimate: Float64Array, how: str = "rigid") -
 
 
 def umeyama(reference_xy: Float64Array, estimate_xy: Float64Array, *, with_scale: bool = False) -> Alignment:
-    """Return the rotation, translation and, if wanted, scale that minimise Σ |reference − (scale · R · estimate + t)|².
+    """Return rotation, translation and optionally scale that minimise Σ |reference − (scale · R · estimate + t)|².
 
-    Both are (n, 2), metres. Two places of a straight line are enough. Raises :class:`ConfigError` where the rotation is
-    undetermined: all points of one of them coincide, or they are each other's mirror image as a circle's are.
+    Both are (n, 2), metres. Two distinct points on a line are enough. Raises :class:`ConfigError` if the rotation is
+    undetermined: all points of one of them coincide, or they are mirror images of each other like those of a circle.
     """
     mean_r, mean_e = reference_xy.mean(axis=0), estimate_xy.mean(axis=0)
     r, e = reference_xy - mean_r, estimate_xy - mean_e
@@ -82,7 +85,7 @@ def umeyama(reference_xy: Float64Array, estimate_xy: Float64Array, *, with_scale
     across = float(np.sum(e[:, 0] * r[:, 1] - e[:, 1] * r[:, 0]))
     spread = float(np.sum(e * e)), float(np.sum(r * r))
     magnitude = np.hypot(along, across)
-    # Coordinates are known to about 1e-16 of their size, and so are differences of them.
+    # Coordinates, and therefore their differences, are accurate to about 1e-16 of their magnitude.
     size = np.finfo(np.float64).eps * max(1.0, float(np.abs(reference_xy).max()), float(np.abs(estimate_xy).max()))
     if min(spread) <= len(e) * (16.0 * size) ** 2 or magnitude <= 1e-12 * np.sqrt(spread[0] * spread[1]):
         raise ConfigError(

@@ -1,7 +1,8 @@
 """Association of the poses of two trajectories by their nearest stamps.
 
-Source: ``associate.py`` of the TUM RGB-D benchmark's tools (Sturm et al. 2012), and evo's ``sync.py``, whose rule this
-is: each pose of the trajectory with fewer poses gets the nearest one of the other, which may be taken more than once.
+Source: ``associate.py`` of the TUM RGB-D benchmark's tools (Sturm et al. 2012), and evo's ``sync.py``, whose rule is
+used: each pose of the trajectory with fewer poses is paired with the nearest one of the other, which may be used
+repeatedly.
 """
 
 from __future__ import annotations
@@ -17,17 +18,17 @@ MAX_DIFFERENCE_S = 0.01  #: seconds: evo's
 def associate(
     reference_ns: Int64Array, estimate_ns: Int64Array, max_difference_s: float = MAX_DIFFERENCE_S, offset_s: float = 0.0
 ) -> Int64Array:
-    """Return the pairs (k, 2) of indices into two lists of stamps (n,) and (m,), ns, that belong together.
+    """Return the pairs (k, 2) of matching indices into two lists of stamps (n,) and (m,), ns.
 
     ``offset_s`` seconds are added to the estimate's stamps first. The pairs are in the order of the shorter list (the
-    estimate where both have the same length). As in evo, of two stamps that are equally near the earlier one is taken,
-    and of equal stamps the last; where stamps run backwards, it is the first in the list in both cases.
+    estimate if both have the same length). As in evo, of two equally near stamps the earlier one is used, and of equal
+    stamps the last; if stamps run backwards, it is the first in the list in both cases.
 
-    Lists that are equal, element by element, pair in their order: a log's stamps may repeat or run backwards, and two
-    trajectories of one log belong together by scan. evo pairs by the rule above here, too.
+    Lists that are equal, element by element, are paired in order: a log's stamps may repeat or run backwards, and two
+    trajectories of one log correspond by scan. evo also applies the rule above here.
 
     Raises :class:`ConfigError` for a difference that is negative or not finite, an offset that is not finite or beyond
-    10⁹ s, and where nothing belongs together.
+    10⁹ s, and if nothing matches.
     """
     if not (np.isfinite(max_difference_s) and 0.0 <= max_difference_s <= 1e9):
         raise ConfigError(
@@ -53,7 +54,7 @@ def associate(
 
 
 def _nearest(few: Int64Array, many: Int64Array, max_difference_s: float) -> Int64Array:
-    """Return for each of ``few`` its index and that of the nearest of ``many``, where it is near enough."""
+    """Return for each of ``few`` its index and that of the nearest of ``many``, if it is near enough."""
     if not len(many):
         return np.empty((0, 2), dtype=np.int64)
     order = np.argsort(many, kind="stable")

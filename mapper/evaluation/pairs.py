@@ -1,7 +1,7 @@
-"""Pairs of poses some distance, time or number of poses apart, over which relative errors are taken.
+"""Pairs of poses some distance, time or number of poses apart, for relative errors.
 
-Source: evo's ``filters.py``; the pairs by time as those by distance, with the elapsed time in its place (the TUM
-RGB-D benchmark's ``evaluate_rpe.py`` pairs by seconds as well).
+Source: evo's ``filters.py``; pairs by time are formed like those by distance, with the elapsed time (the TUM RGB-D
+benchmark's ``evaluate_rpe.py`` also pairs by seconds).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 
 DELTA_UNITS = ("m", "s", "frames")
-TOLERANCE = 0.1  #: of the distance, for all pairs: evo's
+TOLERANCE = 0.1  #: of the distance, for all pairs, as in evo
 
 
 def pairs_over(
@@ -26,13 +26,12 @@ def pairs_over(
 ) -> Int64Array:
     """Return pairs (k, 2) of indices of ``poses`` (n, 3), ``delta`` apart along the path.
 
-    ``unit`` is "m", the distance travelled in metres, "s", seconds of ``stamps_ns`` (n,), or "frames", poses. Pairs
-    follow one another: each ends at the first pose that is ``delta`` or farther on, where the next begins. With
+    ``unit`` is "m", the distance travelled in metres, "s", seconds of ``stamps_ns`` (n,), or "frames", poses. Pairs are
+    consecutive: each ends at the first pose that is at least ``delta`` farther, where the next begins. With
     ``all_pairs`` each pose begins one, which ends at the pose whose distance is nearest to ``delta``, if it differs by
-    at most ``tolerance`` · ``delta``; of poses at the same distance, as of a robot that stands, it is the first.
-
-    Raises :class:`ConfigError` for another unit, a delta that is not above 0, or is no whole number of frames, for
-    seconds along stamps that run backwards, and where there are no such pairs.
+    at most ``tolerance`` · ``delta``; of poses at the same distance, as for a robot at rest, it is the first. Raises
+    :class:`ConfigError` for another unit, a delta that is not positive or not an integer number of frames, for seconds
+    along stamps that run backwards, and if there are no such pairs.
     """
     if unit not in DELTA_UNITS:
         raise ConfigError("evaluation.delta_unit", f"The unit of delta must be m, s or frames, not {unit!r:.40}.")
@@ -77,7 +76,7 @@ def _consecutive(steps: Float64Array, delta: float) -> Int64Array:
 def _all_pairs(steps: Float64Array, delta: float, tolerance: float) -> Int64Array:
     travelled = np.concatenate([[0.0], np.cumsum(steps)])
     begin = np.arange(len(travelled) - 1)
-    # The two poses around the wanted one, each the first of those that are as far, but behind the beginning.
+    # The two poses around the target distance, each the first with its distance, but after the beginning.
     high = np.clip(np.searchsorted(travelled, travelled[:-1] + delta), begin + 1, len(travelled) - 1)
     low = np.maximum(np.searchsorted(travelled, travelled[np.maximum(high - 1, begin + 1)]), begin + 1)
     off_low, off_high = (

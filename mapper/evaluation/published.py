@@ -1,8 +1,8 @@
-"""Published errors over known relations between places, to stand beside one's own.
+"""Published errors over known relations between places, for comparison.
 
-They are mean errors as Kümmerle et al. state them (:mod:`mapper.evaluation.relations`). How their authors found the
-poses at the relations' stamps is not known: on a log whose stamps repeat, that alone makes a difference of centimetres,
-so figures of another policy are no bound. What this project measured itself says by which policy.
+They are mean errors as defined by Kümmerle et al. (:mod:`mapper.evaluation.relations`). How their authors determined
+the poses at the relations' stamps is unknown. On a log with repeated stamps that alone makes a difference of
+centimetres, so figures with another policy are not a bound. Results measured by this project state the policy.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ PAPER, RECORDS = "paper", "records"
 class PublishedResult:
     """The mean error of a program's poses over the relations of a log, metres and degrees; None: not published.
 
-    ``policy`` is how stamps were mapped, as :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper": that
-    of the source. ``count`` is the number of relations, where it is known.
+    ``policy`` is the mapping of stamps, as in :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper" for
+    that of the source. ``count`` is the number of relations, if known.
     """
 
     program: str
@@ -49,6 +49,6 @@ PUBLISHED: Mapping[str, tuple[PublishedResult, ...]] = {
 
 
 def benchmark_named(text: str) -> str | None:
-    """Return which log of the benchmark a file is of, by a word of its name, as ``intel.relations``; None for none."""
+    """Return the benchmark log of a file, by a word of its name, such as ``intel.relations``; None if there is none."""
     words = re.split(r"[^a-z0-9]+", text.lower())
     return next((name for name in PUBLISHED if name in words), None)

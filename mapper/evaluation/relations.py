@@ -1,13 +1,13 @@
-"""The error of poses against known relations between places: the metric of SLAM benchmarks.
+"""Error of poses against known relations between places: the metric of SLAM benchmarks.
 
 Source: Kümmerle et al. 2009, On measuring the accuracy of SLAM algorithms, Autonomous Robots 27(4), equations 5 to 7
-with unit weights and unsquared errors, as its tables have them: the mean over all relations of the length, and of the
-angle, of the motion that is left between the known relation and the poses' one.
+with unit weights and unsquared errors, as in its tables: the mean over all relations of the length, and of the angle,
+of the difference between the known relation and that of the poses.
 
-Of logs whose stamps repeat or run backwards time does not order the poses: of Intel's 13,631 odometry messages 2,459
-have the stamp of the one before and 629 an earlier one, and interpolating in time there adds errors of 0.05 m. There
-the poses of the scans are carried to every message by the raw odometry between them, and a relation's stamps are mapped
-to messages.
+In logs whose stamps repeat or run backwards, time does not order the poses: of Intel's 13,631 odometry messages 2,459
+have the stamp of the previous one and 629 an earlier one, and interpolating in time adds errors of 0.05 m. In these
+logs the scans' poses are propagated to every message by the raw odometry between them, and a relation's stamps are
+mapped to messages.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from mapper.evaluation.trajectory_error import magnitudes
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 STAMP_TOLERANCE_NS = 5_200_000  #: between a relation's stamp and that of its record: stamps are rounded to 10 ms
-SHORT_S = 5.0  #: relations over less time than this choose among records, by the odometry, which drifts little there
+SHORT_S = 5.0  #: relations over a shorter time select among records by the odometry, which drifts little in that time
 SWEEPS = 6
-METRES_PER_RADIAN = 0.4  #: what an angle weighs beside a length in the choice
-GREATEST_COST = 0.5  #: metres: of one relation in the choice, so that a wrong one does not decide
-MOST = 0.9  #: of the stamps must be those of records, for the relations to be in record order
+METRES_PER_RADIAN = 0.4  #: weight of an angle relative to a length in the selection
+GREATEST_COST = 0.5  #: metres: cost limit per relation in the selection, so that a wrong one does not decide
+MOST = 0.9  #: minimum fraction of the stamps that are those of records, for the relations to be in record order
 
 
 def poses_at_records(records: OdometryRecords, scan_poses: Float64Array) -> Float64Array:
     """Return the corrected pose (n, 3) at each of n odometry messages from those of the scans (n_scans, 3).
 
-    Between two scans the raw odometry is chained from the scan before and from the scan after; the difference of the
-    two is distributed in proportion to the motion (metres and half the radians). Of scans after the same message the
-    first counts, and scans before the first message do not. Before the first and after the last scan it is odometry
-    alone. Needs a scan that a message precedes.
+    Between two scans the raw odometry is chained from the scan before, and its difference at the scan after is
+    distributed in proportion to the motion (metres and half the radians). Of scans after the same message the first is
+    used, and scans before the first message are ignored. Before the first and after the last scan it is odometry alone.
+    Requires a scan preceded by a message.
     """
     odometry = records.messages.poses
     at, first = np.unique(records.before_scan, return_index=True)
@@ -60,7 +60,7 @@ def _amount(motions: Float64Array) -> Float64Array:
 
 
 def records_at(stamps_ns: Int64Array, messages: TimedPoses) -> list[Int64Array]:
-    """Return for each of the times (m,) the indices of the messages whose stamps are as good as equal, ascending."""
+    """Return for each of the times (m,) the indices of the messages with practically equal stamps, ascending."""
     order = np.argsort(messages.stamps_ns, kind="stable")
     stamps = messages.stamps_ns[order]
     begin = np.searchsorted(stamps, stamps_ns - STAMP_TOLERANCE_NS, side="left")
@@ -71,9 +71,9 @@ def records_at(stamps_ns: Int64Array, messages: TimedPoses) -> list[Int64Array]:
 def records_of_relations(
     stamps_ns: Int64Array, motions: Float64Array, messages: TimedPoses
 ) -> tuple[Int64Array, NDArray[np.bool_]]:
-    """Return the record of each relation's two stamps (n, 2), −1 for none, and which relations (n,) had no choice.
+    """Return the record of each relation's two stamps (n, 2), −1 for none, and which relations (n,) are unambiguous.
 
-    ``stamps_ns`` (n, 2) and ``motions`` (n, 3) are the relations'. Where a stamp has several records, the one is taken
+    ``stamps_ns`` (n, 2) and ``motions`` (n, 3) are the relations'. If a stamp has several records, the one is selected
     that agrees best with the raw odometry over the relations of less than :data:`SHORT_S`, in :data:`SWEEPS` rounds.
     """
     times, where = np.unique(stamps_ns, return_inverse=True)
@@ -84,7 +84,7 @@ def records_of_relations(
     odometry = messages.poses
 
     is_short = np.abs(stamps_ns[:, 1] - stamps_ns[:, 0]) < SHORT_S * 1e9
-    # Each relation twice: at its first time, and, turned round, at its second.
+    # Each relation twice: at its first time and, inverted, at its second.
     begin, end = np.concatenate([where[is_short], where[is_short][:, ::-1]]).T
     expected = np.tile(motions[is_short], (2, 1))
     turned = np.arange(len(begin)) >= np.count_nonzero(is_short)
@@ -94,7 +94,9 @@ def records_of_relations(
     links = np.searchsorted(begin, np.arange(len(times) + 1))
 
     def costs(records: Int64Array, own: slice) -> Float64Array:
-        """Return how badly the odometry at each of ``records`` (c,) fits the relations at ``own``, metres (c,)."""
+        """Return the disagreement of the odometry at each of ``records`` (c,) with the relations at ``own``, metres
+        (c,).
+        """
         driven = compose(inverse(odometry[records][:, np.newaxis]), odometry[chosen[end[own]]])
         driven = np.where(turned[own][:, np.newaxis], inverse(driven), driven)
         off = compose(inverse(expected[own]), driven)
@@ -112,8 +114,10 @@ def records_of_relations(
 
 @dataclass(frozen=True, slots=True)
 class Relations:
-    """Known motions between places: ``motions`` (n, 3), ``T_first_second`` in metres and radians, from the first to the
-    second of the times ``stamps_ns`` (n, 2). Raises :class:`ConfigError` for other shapes.
+    """Known motions between places: ``motions`` (n, 3), ``T_first_second``, metres and radians.
+
+    They are from the first to the second of the times ``stamps_ns`` (n, 2). Raises :class:`ConfigError` for other
+    shapes.
     """
 
     stamps_ns: NDArray[np.int64]
@@ -134,9 +138,9 @@ class Relations:
 class RelationErrors:
     """The errors of the poses over the relations, each at its first stamp; translations metres, rotations radians.
 
-    ``policy`` is "records", where the stamps were mapped to the odometry messages of the log, or "time", where poses
-    were interpolated between scans. ``unambiguous`` (n,) marks errors of relations of whose stamps each has one record
-    only; with the policy "time" it is all true. ``left_out`` counts relations with a stamp that the log does not have.
+    ``policy`` is "records" if the stamps were mapped to the odometry messages of the log, or "time" if poses were
+    interpolated between scans. ``unambiguous`` (n,) marks errors of relations whose stamps have one record each; with
+    the policy "time" all are true. ``left_out`` counts relations with a stamp that the log does not have.
     """
 
     policy: str
@@ -146,7 +150,7 @@ class RelationErrors:
     left_out: int
 
     def only_unambiguous(self) -> tuple[ErrorSeries, ErrorSeries]:
-        """Return the errors of translation and rotation of the relations without a choice."""
+        """Return the errors of translation and rotation of the unambiguous relations."""
         clear = self.unambiguous
         return (
             ErrorSeries(self.translation.stamps_ns[clear], self.translation.errors[clear]),
@@ -157,16 +161,14 @@ class RelationErrors:
 def evaluate_relations(
     relations: Relations, scans: TimedPoses, records: OdometryRecords | None = None
 ) -> RelationErrors:
-    """Return the errors of ``scans``, the poses to judge, one for each scan of a log in the log's order.
+    """Return the errors of ``scans``, the poses to evaluate, one for each scan of a log in log order.
 
-    ``records`` are the odometry messages of that log. Where nearly all stamps of the relations are theirs, to 5.2 ms,
-    the order of the records counts, not the stamps. Where several records
-    have a stamp, the one that fits the raw odometry best is taken, which makes the figures over all relations slightly
-    optimistic: the unambiguous relations are the judge. Without records the poses are interpolated in time between the
-    scans, of which those with the stamp of one before do not count, and nothing is extrapolated.
-
-    Raises :class:`ConfigError` where there are no relations or poses, the poses are not as many as the records' scans,
-    and no relation is at the log's time.
+    ``records`` are the odometry messages of that log. If nearly all stamps of the relations are theirs, to 5.2 ms, the
+    order of the records is used instead of the stamps. If several records have a stamp, the one that fits the raw
+    odometry best is used, which makes the figures over all relations slightly optimistic; the unambiguous relations are
+    decisive. Without records the poses are interpolated in time between the scans, ignoring those with the stamp of an
+    earlier one, without extrapolation. Raises :class:`ConfigError` if there are no relations or poses, the number of
+    poses differs from that of the records' scans, or no relation is within the log's time.
     """
     if not len(relations) or not len(scans):
         raise ConfigError("evaluation.no_relations", "There are no relations, or no poses, to compare.")

@@ -1,4 +1,4 @@
-"""Which trajectories of a log are one path, stated twice, as by tf and by odometry, and which two are compared."""
+"""Duplicate trajectories of a log, such as from tf and odometry, and the default pair for comparison."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.sensors.scan import Trajectory
 
-SAME_M, SAME_RAD = 0.001, 0.001  #: within which all poses of one path are, each from its first pose
-FEW = 64  #: poses that tell most different paths apart
-_WHEELS = re.compile("odom|wheel", re.IGNORECASE)  #: in the names of poses by wheels
+SAME_M, SAME_RAD = 0.001, 0.001  #: tolerance for the poses of one path, each relative to its first pose
+FEW = 64  #: poses sufficient to distinguish most paths
+_WHEELS = re.compile("odom|wheel", re.IGNORECASE)  #: in the names of wheel odometry
 
 
 def is_same_path(first: Float64Array, second: Float64Array) -> bool:
-    """Return whether poses (n, 3) are those of another trajectory at the same times, up to where both begin."""
+    """Return whether poses (n, 3) equal those of another trajectory at the same times, up to the choice of origin."""
     if first.shape != second.shape:
         return False
     return all(_are_close(first[::step], second[::step]) for step in (1 + len(first) // FEW, 1))
@@ -32,7 +32,7 @@ def _are_close(first: Float64Array, second: Float64Array) -> bool:
 
 
 def stated_before(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
-    """Return for each trajectory whose path another one before it has the name of that one."""
+    """Return, for each trajectory whose path is also that of an earlier one, the name of the earlier one."""
     same: dict[str, str] = {}
     for name, trajectory in trajectories.items():
         for earlier in trajectories:
@@ -45,10 +45,10 @@ def stated_before(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
 
 
 def first_pair(trajectories: Mapping[str, Trajectory], same: Mapping[str, str]) -> tuple[str, str] | None:
-    """Return the reference and the estimate whose errors are told first; None with less than two trajectories.
+    """Return the default reference and estimate for comparison; None with fewer than two trajectories.
 
-    The reference is the last one that was found from the scans, and the wheels are beside it. They are never one path
-    twice, as ``same`` (:func:`stated_before`) tells, unless there is one path only.
+    The reference is the last one estimated from the scans, and the estimate is the wheels. They are never the same
+    path, according to ``same`` (:func:`stated_before`), unless there is only one path.
     """
     paths = [name for name in trajectories if name not in same]
     if len(trajectories) < 2:

@@ -1,4 +1,4 @@
-"""Errors over time, and the figures that sum them up, as evo names them.
+"""Errors over time, and their statistics with evo's names.
 
 Source: evo's ``StatisticsType`` (github.com/MichaelGrupp/evo, evo/core/metrics.py).
 """
@@ -15,7 +15,7 @@ from mapper.core.errors import ConfigError
 
 @dataclass(frozen=True, slots=True)
 class ErrorStatistics:
-    """Figures of n errors, in their unit; ``sse``, the sum of squared errors, in its square.
+    """Statistics of n errors, in their unit; ``sse``, the sum of squared errors, is in its square.
 
     ``std`` is the standard deviation of the errors around their mean, divided by n, not n − 1.
     """
@@ -38,12 +38,12 @@ class ErrorSeries:
 
     @property
     def statistics(self) -> ErrorStatistics:
-        """The figures of these errors. Raises :class:`ConfigError` where there are none."""
+        """The statistics of these errors. Raises :class:`ConfigError` if there are none."""
         return statistics_of(self.errors)
 
 
 def statistics_of(errors: NDArray[np.float64]) -> ErrorStatistics:
-    """Return the figures of ``errors`` (n,). Raises :class:`ConfigError` for n = 0."""
+    """Return the statistics of ``errors`` (n,). Raises :class:`ConfigError` for n = 0."""
     if not len(errors):
         raise ConfigError("evaluation.no_errors", "There are no errors to compute statistics from.")
     sse = float(np.sum(errors**2))

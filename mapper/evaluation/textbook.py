@@ -1,4 +1,4 @@
-"""The evaluation of trajectories as the papers print it, one pose after another: what the fast version is tested by.
+"""Evaluation of trajectories as in the papers, pose by pose: the reference for the fast version.
 
 Umeyama 1991 (equations 34 to 43), Sturm et al. 2012 (equations 1 to 5).
 """
@@ -21,7 +21,7 @@ def matrix(pose: Float64Array) -> Float64Array:
 
 
 def associate(reference_s: list[float], estimate_s: list[float], max_difference_s: float) -> Pairs:
-    """Return for each stamp of the estimate its index, after that of the nearest stamp of the reference, if near."""
+    """Return, for each stamp of the estimate near a stamp of the reference, the indices (reference, estimate)."""
     pairs = []
     for j, stamp in enumerate(estimate_s):
         i = min(range(len(reference_s)), key=lambda i: abs(reference_s[i] - stamp))
@@ -67,7 +67,7 @@ def relative_errors(reference: Float64Array, estimate: Float64Array, pairs: Pair
 
 
 def all_pairs(distances: Float64Array, delta: float, tolerance: float) -> Pairs:
-    """Return for each pose the one behind it that is nearest to ``delta`` away; ``distances`` (n,) from the start."""
+    """Return for each pose the later one nearest to ``delta`` away; ``distances`` (n,) from the start."""
     pairs = []
     for i in range(len(distances) - 1):
         j = min(range(i + 1, len(distances)), key=lambda j: abs(distances[j] - distances[i] - delta))

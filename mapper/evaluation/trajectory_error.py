@@ -1,7 +1,7 @@
-"""Two trajectories compared: associated by stamps, aligned, and their absolute and relative errors, as evo's.
+"""Comparison of two trajectories: association by stamps, alignment, and absolute and relative errors, as in evo.
 
-The definitions are those of evo_ape and evo_rpe (github.com/MichaelGrupp/evo) in the plane. Source: Sturm et al.
-2012, A benchmark for the evaluation of RGB-D SLAM systems, IROS (absolute trajectory error, relative pose error).
+The definitions are those of evo_ape and evo_rpe (github.com/MichaelGrupp/evo) in the plane. Source: Sturm et al. 2012,
+A benchmark for the evaluation of RGB-D SLAM systems, IROS (absolute trajectory error, relative pose error).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mapper.sensors.timed_poses import TimedPoses
 def absolute_errors(reference: Float64Array, estimate: Float64Array) -> tuple[Float64Array, Float64Array]:
     """Return translation (n,), metres, and rotation (n,), radians ≥ 0, of estimate⁻¹ ∘ reference, for poses (n, 3).
 
-    The translation is the distance of the two places, in whatever frame.
+    The translation is the distance between the two positions, which does not depend on the frame.
     """
     off = estimate - reference
     return np.hypot(off[:, 0], off[:, 1]), np.abs(wrap_angle(off[:, 2]))
@@ -70,7 +70,7 @@ class ComparisonOptions:
 class Comparison:
     """Result of a comparison. Translations are metres, rotations radians, all ≥ 0.
 
-    ``reference`` and ``estimate`` are the n poses that belong together, the estimate aligned by ``alignment``.
+    ``reference`` and ``estimate`` are the n matching poses, with the estimate aligned by ``alignment``.
     ``absolute_translation`` and ``absolute_rotation`` are errors at each pose (n,), over the estimate's stamps;
     ``relative_translation`` and ``relative_rotation`` those over each pair, at the stamp of its end.
     """
@@ -87,10 +87,10 @@ class Comparison:
 def compare_trajectories(
     reference: TimedPoses, estimate: TimedPoses, options: ComparisonOptions | None = None
 ) -> Comparison:
-    """Return the errors of ``estimate`` against ``reference``, over time (:class:`ErrorSeries`) and in figures.
+    """Return the errors of ``estimate`` against ``reference``, over time (:class:`ErrorSeries`) and as statistics.
 
-    Raises :class:`ConfigError` where the stamps have nothing in common, the places cannot be aligned, no two poses are
-    delta apart, or an option is impossible.
+    Raises :class:`ConfigError` if no stamps match, the positions cannot be aligned, no two poses are delta apart, or an
+    option is impossible.
     """
     how = ComparisonOptions() if options is None else options
     together = associate(reference.stamps_ns, estimate.stamps_ns, how.max_difference_s, how.offset_s)

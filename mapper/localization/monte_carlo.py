@@ -101,7 +101,10 @@ class MonteCarloLocalizer:
         self._begin(anywhere(self.model, int(self.config.global_particles), self._key(_START)))
 
     def start_at(self, pose: ArrayLike) -> None:
-        """Sample the particles around a pose (3,) with :data:`INITIAL_COVARIANCE`."""
+        """Sample the particles around a pose (3,) with :data:`INITIAL_COVARIANCE`.
+
+        Raises :class:`ConfigError` for a pose outside the map.
+        """
         place = check_pose(self.model.geometry, pose)
         self._begin(around(place, INITIAL_COVARIANCE, int(self.config.max_particles), self._key(_START)))
 

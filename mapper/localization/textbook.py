@@ -63,7 +63,10 @@ def sample_motion_model_odometry(
 def sample_motion_model_omni(
     motion: Float64Array, alphas: tuple[float, ...], pose: Float64Array, normals: Float64Array
 ) -> Float64Array:
-    """Sample a pose after a ``motion`` (3,) of a robot that also moves sideways; ``normals`` (3,) as above."""
+    """Sample a pose after a ``motion`` (3,) of a robot that also moves sideways; ``normals`` (3,) as above.
+
+    Source: Nav2's AMCL, OmniMotionModel: distance, sideways distance and turn have errors.
+    """
     a1, a2, a3, a4, a5 = alphas
     distance, turn = math.hypot(motion[0], motion[1]), motion[2]
     direction = pose[2] + math.atan2(motion[1], motion[0])

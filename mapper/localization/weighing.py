@@ -59,7 +59,10 @@ def log_likelihoods(
 
 
 def independence(n_beams: int, config: LocalizationConfig) -> float:
-    """Return the power that reduces the product over ``n_beams`` beams to that of fewer independent ones."""
+    """Return the power that reduces the product over ``n_beams`` beams to that of fewer independent ones.
+
+    Source: Probabilistic Robotics, section 6.3.4.
+    """
     count = config.independent_beams
     return 1.0 if count == 0.0 else min(1.0, count / max(n_beams, 1))
 

@@ -13,7 +13,11 @@ from mapper.matching.kernels.types import CAUCHY, HUBER, SQUARES
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """A method: how initial poses are searched for, and how each is refined."""
+    """A method: how initial poses are searched for, and how each is refined.
+
+    ``search`` is a name of :data:`mapper.matching.search.SEARCHES`, ``refinement`` one of
+    :data:`mapper.matching.match.REFINEMENTS`.
+    """
 
     name: str
     search: str

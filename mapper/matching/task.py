@@ -27,7 +27,11 @@ SHRINK = 0.6  #: factor of the gate between iterations
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Match scan ``index`` of ``source`` to ``target``, starting from ``guess`` (3,), ``T_target_base``."""
+    """Match scan ``index`` of ``source`` to ``target``, starting from ``guess`` (3,), ``T_target_base``.
+
+    Raises :class:`ConfigError` for a scan that does not exist or has fewer than three points, a guess that is not
+    finite, and a method that the target does not allow; :class:`LimitError` for a window of too many poses.
+    """
 
     source: ScanArrays
     index: int

@@ -37,7 +37,10 @@ class PointScan:
 def scan_points(
     ranges: NDArray[np.float32], bearings: Float64Array, mount: Float64Array, range_min: float, range_max: float
 ) -> tuple[Float64Array, BoolArray]:
-    """Return the endpoints (n, 2) of readings ``ranges`` (n,), 0 if there is none, and which exist."""
+    """Return the endpoints (n, 2) of readings ``ranges`` (n,), 0 if there is none, and which exist.
+
+    ``bearings`` (n,) are those in the sensor's frame, radians; ``mount`` (3,) is ``T_base_laser``.
+    """
     used = (ranges >= range_min) & (ranges <= range_max)
     r = np.where(used, ranges, 0.0).astype(np.float64)
     directions = mount[2] + bearings

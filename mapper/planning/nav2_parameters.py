@@ -1,4 +1,7 @@
-"""Parameters of the planner and the path follower in a Nav2 parameter file: NavFn, Regulated Pure Pursuit."""
+"""Parameters of the planner and the path follower in a Nav2 parameter file: NavFn, Regulated Pure Pursuit.
+
+Source: the Nav2 documentation, Planner Server, NavFn Planner, Controller Server and Regulated Pure Pursuit.
+"""
 
 from __future__ import annotations
 

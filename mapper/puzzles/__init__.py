@@ -1,6 +1,6 @@
-"""Puzzles: maps with a hidden fault, whose cause is to be named and repaired.
+"""Puzzles: maps with a hidden fault to be identified and repaired.
 
-Each name is imported from its module with its first use: the measures of a map do without the simulator.
+Each name is imported from its module on first use, because the map measures do not need the simulator.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Causes of defects in a map, which puzzles ask for, with their explanations."""
+"""Causes of defects in a map, used in puzzles, with explanations."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from types import MappingProxyType
 class Cause:
     """One cause.
 
-    ``label`` is the answer to choose, ``section`` the section of the lecture about it, ``hints`` are one sentence each,
-    from where to look to what to do, ``explanation`` is shown at the end, with ``lesson``, a sentence that the section
-    has. ``of_log`` says whether any log can be spoiled so, ``amount`` the least and the greatest size of the fault
-    (``unit``), (0, 0) where it has none.
+    ``label`` is the answer to select, ``section`` the lecture section about it, ``hints`` are one sentence each, from
+    where to look to what to do, ``explanation`` is shown at the end, with ``lesson``, a sentence of the section.
+    ``of_log`` means that any log can have this fault, ``amount`` is the minimum and maximum size of the fault
+    (``unit``), (0, 0) if it has none.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Simulated drives for puzzles: with poses at all times, sweeps that take time, and furniture that is moved."""
+"""Simulated drives for puzzles: with poses at all times, sweeps that take time, and furniture that is removed."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from mapper.simulation.simulation import Simulation
 LIDAR = SensorConfig(n_beams=360, range_max=8.0, range_noise=0.01, scan_rate=2.5)
 SHORT_LIDAR = SensorConfig(n_beams=360, range_max=4.0, range_noise=0.01, scan_rate=2.5)
 SONARS = SensorConfig(kind="sonar_ring", n_sonars=16, range_max=4.0, range_noise=0.01, scan_rate=2.5)
-MOVED_AFTER = 0.85  #: share of the scans after which furniture is gone
-SWEEP_BEAMS = 10  #: of a scan that takes time, which are measured from one pose
+MOVED_AFTER = 0.85  #: fraction of the scans after which furniture is gone
+SWEEP_BEAMS = 10  #: beams of a scan that takes time, measured from one pose
 TRUE, ODOMETRY = "cameras", "odometry"
-KEPT = 8  #: drives that are kept
+KEPT = 8  #: cached drives
 Step = Callable[[float], None]
-"""Told now and then which share of a drive is done, 0 … 1; what it raises ends the drive."""
+"""Called from time to time with the completed fraction of a drive, 0 to 1; may raise to cancel the drive."""
 _Made = tuple[str, int, int, SensorConfig, tuple[Drawn, ...]]
 _drives: OrderedDict[_Made, ScanLog] = OrderedDict()
 _keeping = threading.Lock()
@@ -46,10 +46,10 @@ def drive(
     moved: tuple[Drawn, ...] = (),
     step: Step = lambda _: None,
 ) -> ScanLog:
-    """Return a simulated drive of ``n_scans`` scans: the same for the same arguments, and kept.
+    """Return a simulated drive of ``n_scans`` scans, deterministic for its arguments, and cached.
 
-    Its trajectories are "cameras", the true poses, with those between the scans, and "odometry", which drifts a little.
-    What is ``moved`` stands in the world until :data:`MOVED_AFTER` of the scans are taken.
+    Its trajectories are "cameras", the true poses, including those between the scans, and "odometry", which drifts
+    slightly. The solids in ``moved`` are in the world until :data:`MOVED_AFTER` of the scans are taken.
     """
     key = (world, seed, n_scans, sensor, moved)
     with _keeping:
@@ -100,7 +100,7 @@ def _driven(world: str, seed: int, n_scans: int, sensor: SensorConfig, moved: tu
 
 
 def polished(log: ScanLog, world: str, sensor: SensorConfig = LIDAR) -> ScanLog:
-    """Return a drive as its sensor reports it where long walls are polished."""
+    """Return a drive as reported by its sensor if long walls are polished."""
     plan, poses = WORLDS[world], log.sensor_poses(TRUE)
     longer = np.array([lengthened(plan, sensor, pose) for pose in poses])
     return _with_ranges(log, with_lengthened(log.ranges, longer, sensor.range_max))
@@ -109,7 +109,7 @@ def polished(log: ScanLog, world: str, sensor: SensorConfig = LIDAR) -> ScanLog:
 def swept(log: ScanLog, world: str, sensor: SensorConfig = LIDAR) -> ScanLog:
     """Return a drive in which a scan takes as long as the time to the next one, without noise.
 
-    Beam i is measured at the stamp + i · time_increment, from the robot's pose then, :data:`SWEEP_BEAMS` beams at one
+    Beam i is measured at stamp + i · time_increment, from the robot's pose then, with :data:`SWEEP_BEAMS` beams per
     pose.
     """
     plan, step = WORLDS[world], 1.0 / (sensor.scan_rate * sensor.n_beams)

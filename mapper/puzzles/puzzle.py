@@ -1,4 +1,4 @@
-"""A puzzle that is ready: the spoiled log, what its map is at first, and what it is once it is repaired."""
+"""A prepared puzzle: the log with its fault, its initial map, and its repaired map."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from mapper.puzzles.scoring import Measures, measures_of, repair_share, repair_s
 from mapper.puzzles.spoiling import Spoiled
 from mapper.sensors.scan import ScanLog
 
-MAX_READINGS = 1_000_000  #: of a puzzle's log: its map is made whenever a repair is checked
+MAX_READINGS = 1_000_000  #: of a puzzle's log, which is mapped each time a repair is checked
 
 
 @dataclass(frozen=True, slots=True)
 class Puzzle:
-    """``shown`` is the log with its fault, ``start`` the parameters of its map at first.
+    """``shown`` is the log with its fault, ``start`` the initial parameters of its map.
 
-    ``reference`` (n, 2) are points of the walls as they should be, metres; ``spoiled`` and ``repaired`` what is
-    measured of the map at first and once it is repaired. ``can_repair`` says whether parameters improve the map.
+    ``reference`` (n, 2) are points of the correct walls, metres; ``spoiled`` and ``repaired`` are the measures of the
+    map initially and after repair. ``can_repair`` means that parameters can improve the map.
     """
 
     cause: str
@@ -42,7 +42,7 @@ class Puzzle:
 
     @property
     def can_repair(self) -> bool:
-        """Whether other parameters or poses make the map better."""
+        """Whether other parameters or poses improve the map."""
         return bool(repair_shares(self.spoiled, self.repaired, self.spoiled))
 
     def shares(self, now: Measures) -> dict[str, float]:
@@ -60,7 +60,7 @@ class Puzzle:
         limits: Limits = DEFAULT_LIMITS,
         may_continue: Callable[[], bool] = lambda: True,
     ) -> Measures:
-        """Return what is measured of the map of all scans with other parameters. Raises as :func:`mapped`."""
+        """Return the measures of the map of all scans with other parameters. Raises the errors of :func:`mapped`."""
         grid = mapped(self.shown, MappingConfig(**dict(values)), trajectory, limits, may_continue)
         return measures_of(grid, self.reference)
 
@@ -92,9 +92,9 @@ def puzzle_of(
     may_continue: Callable[[], bool] = lambda: True,
     step: Callable[[float], None] = lambda _: None,
 ) -> Puzzle:
-    """Return the puzzle of a spoiled log; ``first`` are the parameters that its values are set in.
+    """Return the puzzle of a faulty log; ``first`` are the parameters to which its values are applied.
 
-    ``step`` is told which share of the maps is made, 0 … 1. Raises as :func:`mapped`.
+    ``step`` is called with the completed fraction of the maps, 0 to 1. Raises the errors of :func:`mapped`.
     """
     step(0.0)
     start, repaired = first.with_values(spoiled.start), first.with_values(spoiled.repair)
@@ -117,6 +117,6 @@ def puzzle_of(
 
 
 def shortened(log: ScanLog, most: int = MAX_READINGS) -> ScanLog:
-    """Return a log's first scans, of at most ``most`` readings together."""
+    """Return a log's first scans, with at most ``most`` readings in total."""
     scans = max(2, most // max(1, log.n_beams))
     return log if log.n_scans <= scans else log.take(slice(0, scans))

@@ -1,4 +1,4 @@
-"""The puzzles that come with the program: each is a simulated drive with one fault."""
+"""Built-in puzzles, each a simulated drive with one fault."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from mapper.puzzles.drives import LIDAR, SHORT_LIDAR, SONARS, TRUE, Step, drive,
 from mapper.puzzles.spoiling import Spoiled, spoil
 from mapper.simulation.edits import Drawn
 
-#: Crates that stand in the room and are taken away.
+#: Crates in the room that are removed later.
 CRATES = tuple(Drawn("box", *corners) for corners in ((560, 140, 680, 220), (360, 560, 470, 650), (720, 600, 810, 680)))
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """A puzzle: ``level`` 1 to 3, what the visitor is told (``title``, ``story``), its cause, and how it is made.
+    """A puzzle: ``level`` 1 to 3, the visitor's ``title`` and ``story``, its cause, and how it is made.
 
-    Title and story do not tell the cause. ``make`` tells how much of its drive is done. ``choices`` are the causes to
-    choose from, the same in every attempt; all of them where it is empty.
+    Title and story do not reveal the cause. ``make`` reports the progress of its drive. ``choices`` are the causes to
+    choose from, the same in every attempt; all of them if empty.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Score of a map of a puzzle: agreement with the reference, sharpness, entropy, and points."""
+"""Score of a puzzle's map: agreement with the reference, sharpness, entropy, and points."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from mapper.grid import OccupancyGrid
 from mapper.grid.compare import wall_contrast
 from mapper.grid.metrics import map_metrics, wall_agreement, wall_points
 
-#: Weights of the measures in the repair, and the least improvement from the spoiled to the repaired map with which a
-#: measure counts.
+#: Weights of the measures in the repair, and the minimum improvement from the faulty to the repaired map for a measure
+#: to count.
 WEIGHTS: Mapping[str, tuple[float, float]] = MappingProxyType(
     {"agreement": (0.6, 0.03), "sharpness": (0.2, 0.01), "entropy": (0.2, 0.01)}
 )
 CAUSE_POINTS, REPAIR_POINTS = 40, 60
-WRONG_POINTS = HINT_POINTS = 10  #: taken off for each wrong answer and each hint
-REPAIRED = 0.9  #: share of the repair from which it is done
+WRONG_POINTS = HINT_POINTS = 10  #: penalty for each wrong answer and each hint
+REPAIRED = 0.9  #: fraction of the repair at which it is done
 
 
 @dataclass(frozen=True, slots=True)
 class Measures:
     """Measures of one map.
 
-    ``agreement`` is the F-score of its walls with the reference's, 0 … 1 (:func:`wall_agreement`), ``sharpness`` the
-    contrast of its walls, 0 … 1 (:func:`wall_contrast`), ``entropy`` the mean entropy of its observed cells, bits.
+    ``agreement`` is the F-score of its walls against the reference, 0 to 1 (:func:`wall_agreement`), ``sharpness`` the
+    contrast of its walls, 0 to 1 (:func:`wall_contrast`), ``entropy`` the mean entropy of its observed cells, bits.
     """
 
     agreement: float
@@ -37,7 +37,7 @@ class Measures:
 
 
 def measures_of(grid: OccupancyGrid, reference: NDArray[np.float64]) -> Measures:
-    """Return the measures of a map; ``reference`` (n, 2) are points of the walls as they should be, metres."""
+    """Return the measures of a map; ``reference`` (n, 2) are points of the correct walls, metres."""
     metrics = map_metrics(grid)
     observed = grid.log_odds.size - metrics.never_observed
     return Measures(
@@ -48,9 +48,9 @@ def measures_of(grid: OccupancyGrid, reference: NDArray[np.float64]) -> Measures
 
 
 def repair_shares(spoiled: Measures, repaired: Measures, now: Measures) -> dict[str, float]:
-    """Return how much of the way from the spoiled to the repaired map each measure has gone, 0 … 1.
+    """Return each measure's progress from the faulty to the repaired map, 0 to 1.
 
-    A measure by which the repaired map is not better by the least improvement of :data:`WEIGHTS` is left out.
+    Measures that do not improve by the minimum in :data:`WEIGHTS` are omitted.
     """
     shares: dict[str, float] = {}
     for name, (_, least) in WEIGHTS.items():
@@ -62,15 +62,15 @@ def repair_shares(spoiled: Measures, repaired: Measures, now: Measures) -> dict[
 
 
 def repair_share(shares: Mapping[str, float]) -> float:
-    """Return the weighted mean of :func:`repair_shares`; 1 where no measure can be improved."""
+    """Return the weighted mean of :func:`repair_shares`; 1 if no measure can be improved."""
     total = sum(WEIGHTS[name][0] for name in shares)
     return sum(WEIGHTS[name][0] * share for name, share in shares.items()) / total if total else 1.0
 
 
 def points(*, is_named: bool, repair: float, wrong: int, hints: int, can_repair: bool) -> int:
-    """Return the points, 0 … 100: for the cause and for the best repair so far, less wrong answers and hints.
+    """Return the points, 0 to 100: for the cause and for the best repair so far, minus wrong answers and hints.
 
-    ``repair`` is :func:`repair_share`. Where nothing can be repaired, the cause alone is worth 100.
+    ``repair`` is :func:`repair_share`. If nothing can be repaired, the cause alone is worth 100.
     """
     cause = CAUSE_POINTS + (0 if can_repair else REPAIR_POINTS)
     earned = cause * is_named + (round(REPAIR_POINTS * repair) if can_repair else 0)

@@ -1,4 +1,4 @@
-"""Logs with a fault: what a puzzle shows, and what repairs it."""
+"""Logs with a fault for puzzles, and their repair."""
 
 from __future__ import annotations
 
@@ -22,11 +22,13 @@ from mapper.simulation.odometry import WORN_ALPHAS, WORN_TURN_BIAS, drifting_odo
 
 Positions = NDArray[np.float64]
 Altering = Callable[[NDArray[np.int64], Positions], Positions]
-"""Given stamps (n,), nanoseconds, and positions (n, 2), metres, returns the altered positions (n, 2)."""
+"""Maps stamps (n,), nanoseconds, and positions (n, 2), metres, to the altered positions (n, 2)."""
 
 
 def with_positions(log: ScanLog, name: str, alter: Altering) -> Trajectory:
-    """Return the trajectory ``name`` of a log with altered positions, at the scans and between them; headings stay."""
+    """Return the trajectory ``name`` of a log with altered positions, at and between the scans; headings are
+    unchanged.
+    """
     trajectory = log.trajectory(name)
     timed = trajectory.timed
     return replace(
@@ -41,33 +43,34 @@ def _altered(stamps_ns: NDArray[np.int64], poses: NDArray[np.float64], alter: Al
 
 
 def truncated_positions(xy: Positions, side: float) -> Positions:
-    """Return positions that went through the index of a cell, converted by truncation, and a place within the cell.
+    """Return positions converted by truncation to a cell index and a position within the cell, and back.
 
     ``xy`` are metres, any shape, and ``side`` is that of a cell, metres. The index is ``trunc(x / side)``, which is
-    ``floor(x / side)`` above zero and one more below it; the place is the remainder ``x mod side``, at least 0. So
-    what is above zero stays, and what is below is moved by one cell: −0.1 m in cells of 0.25 m becomes 0.15 m.
+    ``floor(x / side)`` above zero and one more below it; the position is the remainder ``x mod side``, at least 0. So
+    positive values are unchanged, and negative ones are shifted by one cell: −0.1 m in cells of 0.25 m becomes 0.15 m.
     """
     result: Positions = side * np.trunc(xy / side) + np.mod(xy, side)
     return result
 
 
 PERSON_RADIUS = 0.22  #: metres
-FOLLOWING_M = (1.3, 2.4)  #: metres of the robot's path by which people walk behind it
+FOLLOWING_M = (1.3, 2.4)  #: metres of the robot's path by which people follow it
 SWAY_M = 0.35  #: metres to either side of that path
-BEFORE_RANGE_MAX = 0.1  #: metres by which the max range is to be lowered, so that readings at it are no hits
-SEEN_BEYOND, BEYOND = 0.05, 0.15  #: least share of readings without a return; the share of them otherwise
-RESTARTED = (0.4, 0.6)  #: share of the scans after which positions count from another origin
+BEFORE_RANGE_MAX = 0.1  #: metres by which the max range must be lowered, so that readings at it are not hits
+SEEN_BEYOND, BEYOND = 0.05, 0.15  #: minimum fraction of readings without return; their fraction otherwise
+RESTARTED = (0.4, 0.6)  #: fraction of the scans after which positions count from another origin
 WHEELS, LOCALIZATION = "What the wheels report.", "Where localization says that the robot is."
-MISS_OF_TRAILS, LOWER_CLAMP_OF_TRAILS = -0.1, -0.5  #: with which trails of people stay in the map
+MISS_OF_TRAILS, LOWER_CLAMP_OF_TRAILS = -0.1, -0.5  #: values with which trails of people stay in the map
 
 
 @dataclass(frozen=True, slots=True)
 class Spoiled:
     """A log with a fault.
 
-    ``log`` is what is shown, mapped along ``trajectory`` with the parameters ``start``; ``repair`` are the parameters
-    and ``repair_trajectory`` the trajectory that repair it. ``reference`` is the log without the fault, mapped with
-    ``reference_values`` along ``reference_trajectory``. All values differ from those of the log's first parameters.
+    ``log`` is shown, mapped along ``trajectory`` with the parameters ``start``; ``repair`` are the parameters and
+    ``repair_trajectory`` the trajectory that repair it. ``reference`` is the log without the fault, mapped with
+    ``reference_values`` along ``reference_trajectory``. All values are changes relative to the log's initial
+    parameters.
     """
 
     log: ScanLog
@@ -86,9 +89,9 @@ class Spoiled:
 
 
 def spoil(log: ScanLog, cause: str, seed: int, trajectory: str | None = None) -> Spoiled:
-    """Return ``log`` with a fault that any log can have, its size drawn with ``seed``.
+    """Return ``log`` with a fault that any log can have, with a random size determined by ``seed``.
 
-    Raises :class:`ConfigError` for another cause, and for a log without poses along which a drift or an offset shows.
+    Raises :class:`ConfigError` for another cause, and for a log whose poses do not reveal a drift or an offset.
     """
     if cause not in _SPOILERS:
         raise ConfigError(
@@ -122,10 +125,10 @@ def _window(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
 
 
 def _max_range(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:  # noqa: ARG001 - as all of them
-    beyond = log.ranges >= log.range_max  # +inf too
+    beyond = log.ranges >= log.range_max  # also +inf
     top = min(round(log.range_max, 1), 100.0)
     if beyond.mean() < SEEN_BEYOND:
-        # As a sensor of shorter range would have measured it.
+        # As measured by a sensor of shorter range.
         finite = log.ranges[np.isfinite(log.ranges)]
         top = max(1.0, round(float(np.quantile(finite, 1.0 - BEYOND)), 1)) if len(finite) else 1.0
         beyond = log.ranges > top
@@ -139,7 +142,7 @@ def _max_range(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:  #
 
 
 def _mounted(log: ScanLog, off: tuple[float, float, float]) -> ScanLog:
-    """Return the log with a stated mount that is off: composed with ``off``."""
+    """Return the log with a wrong stated mount: composed with ``off``."""
     x, y, yaw = (float(v) for v in compose(np.array(log.mount), np.array(off)))
     mounts = None if log.mounts is None else compose(log.mounts, np.array(off))
     return replace(log, mount=(x, y, yaw), mounts=mounts)
@@ -161,8 +164,10 @@ def _beam_order(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:  
 
 
 def _along_wrong(log: ScanLog, name: str, wrong: str, poses: Trajectory) -> Spoiled:
-    """Return the log along the trajectory ``poses``, called ``wrong``, with the right one called ``name`` beside it."""
-    # The name may be one that the log has: its own trajectory of that name is then replaced.
+    """Return the log along the trajectory ``poses``, called ``wrong``, with the correct one called ``name`` in
+    addition.
+    """
+    # The log may already have a trajectory of that name, which is then replaced.
     others = {key: value for key, value in log.trajectories.items() if key not in (wrong, name)}
     right = name if name != wrong else "corrected"
     shown = replace(log, trajectories={wrong: poses, right: log.trajectory(name), **others})
@@ -240,10 +245,11 @@ def _people(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
 def disc_ranges(
     sensor_poses: NDArray[np.float64], angles: NDArray[np.float64], centres: NDArray[np.float64], radius: float
 ) -> NDArray[np.float64]:
-    """Return the ranges (n, b), metres, at which beams meet a disc, +inf where they miss it.
+    """Return the ranges (n, b), metres, at which beams hit a disc, +inf if they miss.
 
     ``sensor_poses`` (n, 3) are ``T_map_laser``, ``angles`` (b,) radians in the laser frame, ``centres`` (n, 2) metres.
-    A beam at the angle δ off the centre, which is at the distance d, meets it at d cos δ − √(r² − d² sin² δ).
+    A beam at an angle δ from the direction of the centre, which is at distance d, hits it at d cos δ − √(r² − d² sin²
+    δ).
     """
     dx, dy = (centres - sensor_poses[:, :2]).T
     distance = np.hypot(dx, dy)[:, np.newaxis]

@@ -301,7 +301,10 @@ class Replay:
         return CheckpointPrefetcher(self._replay) if CheckpointPrefetcher.is_worth(self._replay) else None
 
     def provenance(self, row: int, col: int) -> Provenance:
-        """Return every beam that touched a cell of the current map, with the evidence it added."""
+        """Return every beam that touched a cell of the current map, with the evidence it added.
+
+        Raises :class:`ConfigError` for a cell outside the grid.
+        """
         inside = self.grid.geometry.contains((row, col)) and self.grid.prior_map is not None
         prior = float(self.grid.prior()[row, col]) if inside else None
         return provenance(

@@ -17,7 +17,10 @@ DENSE_S = 0.5  #: seconds: poses at most this far apart determine the motion bet
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """The poses of one trajectory in time order."""
+    """The poses of one trajectory in time order.
+
+    ``times`` (m,) float64 seconds, ascending; ``poses`` (m, 3) ``T_frame_base``, metres and radians.
+    """
 
     times: Float64Array
     poses: Float64Array

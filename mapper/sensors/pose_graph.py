@@ -73,7 +73,10 @@ class PoseGraph:
     def with_loop(
         self, i: int, j: int, relative: ArrayLike, information: ArrayLike, *, locked: bool = False
     ) -> PoseGraph:
-        """Return the graph with a loop appended as its last edge, from node row ``i`` to node row ``j``."""
+        """Return the graph with a loop appended as its last edge, from node row ``i`` to node row ``j``.
+
+        ``relative`` (3,) is ``Tᵢ⁻¹ ∘ Tⱼ``, ``information`` (3, 3). Raises :class:`ConfigError`.
+        """
         return replace(
             self,
             i=np.append(self.i, i),

@@ -61,7 +61,10 @@ class Edits:
 
     @classmethod
     def of(cls, added: object, erased: object) -> Edits:
-        """Return the edits described by plain lists: ``[kind, x0, y0, x1, y1]`` each, and indices."""
+        """Return the edits described by plain lists: ``[kind, x0, y0, x1, y1]`` each, and indices.
+
+        Raises :class:`ConfigError` for anything else.
+        """
         if not isinstance(added, list) or not all(isinstance(row, list | tuple) and len(row) == 5 for row in added):
             raise ConfigError("edit.added", "The added solids must be a list of [kind, x0, y0, x1, y1].")
         if not isinstance(erased, list) or not all(isinstance(i, int) and not isinstance(i, bool) for i in erased):

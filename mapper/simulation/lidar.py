@@ -35,8 +35,11 @@ def rays_of_cone(beam_width: float) -> Float64Array:
 def ranges_in_cones(
     world: World, pose: tuple[float, float, float], bearings: Float64Array, beam_width: float, range_max: float
 ) -> Float64Array:
-    """Return the distance (n, n_rays), metres, along each ray of each cone to the first solid, +inf if there is
-    none.
+    """Return the distance (n, n_rays), metres, along each ray of each cone to the first solid, +inf if there is none.
+
+    ``pose`` (x, y, yaw) is ``T_map_sensor``; ``bearings`` (n,) of the cones' axes and ``beam_width`` are radians; the
+    rays are those of :func:`rays_of_cone`. A sonar measures the nearest surface that returns an echo. Source: the wide
+    beam of a time of flight sonar, Moravec & Elfes 1985.
     """
     x, y, yaw = pose
     rays = rays_of_cone(beam_width)

@@ -37,7 +37,10 @@ def star(x: float, y: float, outer: float, inner: float, spikes: int) -> Polygon
 
 
 def wall(a: Point, b: Point, thickness: float, doors: Sequence[tuple[float, float]] = ()) -> list[Polygon]:
-    """Return the pieces of a wall from ``a`` to ``b``, ``thickness`` wide about that line."""
+    """Return the pieces of a wall from ``a`` to ``b``, ``thickness`` wide about that line.
+
+    ``doors`` are openings as (from, to), metres along the wall, in order.
+    """
     (ax, ay), (bx, by) = a, b
     length, yaw = float(np.hypot(bx - ax, by - ay)), float(np.arctan2(by - ay, bx - ax))
     cuts = [0.0, *(metre for door in doors for metre in door), length]

@@ -84,7 +84,10 @@ class _Attempt:
 
 
 class FrontEnd:
-    """Aligns scans one after another. ``poses`` (n, 3) are those of the kept scans in the front end's frame."""
+    """Aligns scans one after another. ``poses`` (n, 3) are those of the kept scans in the front end's frame.
+
+    ``last`` (3,) is the pose of the newest scan, kept or not.
+    """
 
     def __init__(self, store: ScanStore, config: SlamConfig) -> None:
         self._store = store

@@ -43,7 +43,10 @@ SHARES = (0.35, 0.35, 0.1, 0.1, 0.1)  #: fractions of the work: SLAM of each log
 
 @dataclass(frozen=True, slots=True)
 class MergeProgress:
-    """Progress of a merge: ``fraction`` 0 to 1, and the ``stage``."""
+    """Progress of a merge: ``fraction`` 0 to 1, and the ``stage``.
+
+    Stages are "first log", "second log", "maps", "loops" and "refinement".
+    """
 
     fraction: float
     stage: str

@@ -25,7 +25,10 @@ GREATEST_TURN = 0.5  #: radians: maximum rotation of one step, within which the 
 
 
 def robust_weights(kernel: str, chi2: Float64Array, scale: float) -> Float64Array:
-    """Return the weights (e,), 0 to 1, of a kernel for squared residuals ``chi2`` (e,) and a scale."""
+    """Return the weights (e,), 0 to 1, of a kernel for squared residuals ``chi2`` (e,) and a scale.
+
+    Source: Zhang 1997, Parameter estimation techniques.
+    """
     ratio = chi2 / (scale * scale)
     if kernel == "geman_mcclure":
         return np.asarray(1.0 / (1.0 + ratio) ** 2)

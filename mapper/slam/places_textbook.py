@@ -66,7 +66,10 @@ def cell_states(hits: Int64Array, passes: Int64Array, most_passes: int) -> NDArr
 
 
 def corner_strengths(states: NDArray[np.uint8], hits: Int64Array, tensors: Float64Array, radius: int) -> Float64Array:
-    """Return the smaller eigenvalue of Σ n nᵀ over the walls within ``radius`` cells of each wall cell, else 0."""
+    """Return the smaller eigenvalue of Σ n nᵀ over the walls within ``radius`` cells of each wall cell, else 0.
+
+    Each cell counts once, with the mean of its points.
+    """
     means = np.where((states == WALL)[..., np.newaxis], tensors / np.maximum(hits, 1)[..., np.newaxis], 0.0)
     out = np.zeros(states.shape)
     row, col = np.mgrid[: states.shape[0], : states.shape[1]]
@@ -118,7 +121,10 @@ def pose_of_pairs(
     tolerance: float,
     least_distance: float,
 ) -> tuple[int, float]:
-    """Return the number of points that agree with the best pose from two pairs of points, and their sum of squares."""
+    """Return the number of points that agree with the best pose from two pairs of points, and their sum of squares.
+
+    See :func:`mapper.slam.kernels.keypoint_pairs.pose_of_pairs`.
+    """
     best = (0, 0.0)
     for p, q in combinations(range(len(ours)), 2):
         a, b = ours[q] - ours[p], theirs[q] - theirs[p]

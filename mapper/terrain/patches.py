@@ -107,7 +107,10 @@ class Patches:
 
 @dataclass(frozen=True, slots=True)
 class Terrain:
-    """``score`` (rows, cols) of each patch, unsafe above 1 and NaN if unknown, and its components."""
+    """``score`` (rows, cols) of each patch, unsafe above 1 and NaN if unknown, and its components.
+
+    ``classes`` (rows, cols) uint8 are UNKNOWN, SAFE and UNSAFE.
+    """
 
     patches: Patches
     config: PatchConfig

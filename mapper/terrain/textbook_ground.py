@@ -30,8 +30,9 @@ Heights = NDArray[np.float32]
 
 
 def lowest(points: NDArray[np.float64], corner: NDArray[np.float64], cell: float, shape: tuple[int, int]) -> Heights:
-    """Return the height of the lowest point of each cell (rows, cols), metres above the corner; NaN if there is
-    none.
+    """Return the height of the lowest point of each cell (rows, cols), metres above the corner; NaN if there is none.
+
+    ``points`` (n, 3) in metres; ``corner`` (3,) is the lowest corner of cell (0, 0).
     """
     heights = np.full(shape, np.nan, dtype=np.float32)
     for x, y, z in points - corner:

@@ -1,4 +1,7 @@
-"""Marking of endpoints and clearing along beams."""
+"""Marking of endpoints and clearing along beams.
+
+Numba twins of :func:`mapper.costmap.textbook.mark_and_clear` and :func:`mapper.costmap.textbook.line_cells`.
+"""
 
 from __future__ import annotations
 
@@ -127,7 +130,10 @@ def fill_polygon(vertices: Float64Array, value: Any, out: Values, box: Int64Arra
 
 @jit
 def lay_over(layer: NDArray[np.uint8], method: int, master: NDArray[np.uint8]) -> None:
-    """Combine a layer (rows, cols) with a master in place: 0 overwrite, 1 max, 2 max of known, 3 overwrite all."""
+    """Combine a layer (rows, cols) with a master in place: 0 overwrite, 1 max, 2 max of known, 3 overwrite all.
+
+    Numba twin of :func:`mapper.costmap.textbook.combine`.
+    """
     for row in range(master.shape[0]):
         old, new = master[row], layer[row]
         for k in range(old.shape[0]):

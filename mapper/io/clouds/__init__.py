@@ -1,4 +1,4 @@
-"""Point clouds of files, scan graphs and depth folders, and those of recordings as streams."""
+"""Point clouds of files, scan graphs and depth folders, and streams of clouds in recordings."""
 
 from mapper.io.clouds.depth_folder import read_depth_folder
 from mapper.io.clouds.posed import PosedClouds, open_posed_clouds

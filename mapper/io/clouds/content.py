@@ -1,4 +1,4 @@
-"""The bytes of a cloud's file, and what all readers of clouds check of its points."""
+"""Bytes of a cloud file, and the checks of points common to all cloud readers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mapper.io.logs.ros.cloud_messages import times_of
 from mapper.io.logs.text.lines import with_line_feeds
 from mapper.sensors.point_cloud import PointCloud
 
-#: standard name → the names, in lower case, under which PCL, CloudCompare, libpointmatcher, LAS and drivers store it
+#: standard name → names, in lower case, used by PCL, CloudCompare, libpointmatcher, LAS and drivers
 NAMES = {
     "intensity": (
         "intensity",
@@ -32,13 +32,13 @@ NAMES = {
 }
 NORMALS = (("normal_x", "normal_y", "normal_z"), ("nx", "ny", "nz"), ("n_x", "n_y", "n_z"))
 COLOURS = (("red", "green", "blue"), ("r", "g", "b"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
-PACKED = ("rgb", "rgba")  #: one number of four bytes: blue, green, red and, of rgba, alpha, the lowest first (PCL)
+PACKED = ("rgb", "rgba")  #: one four-byte number: blue, green, red and, for rgba, alpha, lowest byte first (PCL)
 
 
 def standard_fields(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return ``columns`` (n,) or (n, k) by name, with those that have a standard name under that.
+    """Return ``columns`` (n,) or (n, k) by name, with standard names where they exist.
 
-    See :class:`mapper.sensors.point_cloud.PointCloud` for the names. Every other column keeps its own.
+    See :class:`mapper.sensors.point_cloud.PointCloud` for the names. All other columns keep their names.
     """
     left = dict(columns)
     lower = {name.lower(): name for name in reversed(left)}  # of two that differ in case, the first
@@ -67,7 +67,7 @@ def _is_packed(column: NDArray[Any]) -> bool:
 
 
 def _unpacked(column: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return the colours (n, 3) of packed numbers (n,); of whole floats the numbers are meant, not their bits."""
+    """Return the colours (n, 3) of packed numbers (n,); integral floats are converted by value, not by bits."""
     is_whole = (column >= 0) & (column < 1 << 24) & (column == np.floor(column))
     if column.dtype.kind == "f" and is_whole.all() and column.any():
         column = column.astype(np.uint32)
@@ -76,7 +76,7 @@ def _unpacked(column: NDArray[Any]) -> NDArray[np.uint8]:
 
 
 def _bytes_of(colours: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return colours (n, 3) of 0 … 255, of 0 … 1 (floats) or of 0 … 65535 (16 bits) as bytes."""
+    """Convert colours (n, 3) of 0 … 255, of 0 … 1 (floats) or of 0 … 65535 (16 bits) to bytes."""
     if colours.dtype == np.uint8:
         return colours
     known = colours.astype(np.float64)
@@ -88,20 +88,20 @@ def _bytes_of(colours: NDArray[Any]) -> NDArray[np.uint8]:
     return np.clip(np.nan_to_num(known), 0.0, 255.0).round().astype(np.uint8)
 
 
-COARSE_STEP_M = 0.001  #: a cloud whose coordinates are rounded to more than this has a note about it
+COARSE_STEP_M = 0.001  #: coordinates rounded more coarsely are noted
 
 
-HEAD_BYTES = 1 << 12  #: that tell a format
+HEAD_BYTES = 1 << 12  #: read to detect a format
 
 
 def content(
     path: Path, limits: Limits, progress: Progress | None = None, check: Callable[[bytes], object] | None = None
 ) -> bytes:
-    """Return the bytes of the file at ``path``, out of gzip or Zstandard where it is packed.
+    """Return the bytes of the file at ``path``, decompressed from gzip or Zstandard if necessary.
 
-    ``check`` gets the first :data:`HEAD_BYTES` before the rest is read, and may raise. Raises :class:`ReadError` for a
-    file that cannot be read, is empty or holds damaged packed data, and :class:`LimitError` for one of more bytes than
-    ``limits`` allow.
+    ``check`` receives the first :data:`HEAD_BYTES` before the rest is read, and may raise. Raises :class:`ReadError`
+    for a file that cannot be read, is empty or contains damaged compressed data, and :class:`LimitError` for one with
+    more bytes than ``limits`` allow.
     """
     parts: list[bytes] = []
     size = 0
@@ -123,9 +123,9 @@ def content(
 
 
 def plain_text(data: bytes) -> bytes:
-    """Return a text without its byte-order mark, in UTF-8 where that says that it is UTF-16; other data as it is.
+    """Return a text without its byte-order mark, converted to UTF-8 if that indicates UTF-16; other data unchanged.
 
-    Lines that end in carriage returns alone end in line feeds then.
+    Carriage-return line ends are converted to line feeds.
     """
     if b"\0\0\0" in data[:64]:
         return data
@@ -145,9 +145,9 @@ def check_count(n: int, limits: Limits) -> None:
 
 
 def ended_early(claimed: int, there: int) -> tuple[str, ...]:
-    """Return the note on a file that ends before all its points, none where it does not.
+    """Return the note on a file that ends before all its points, or none.
 
-    Raises :class:`ReadError` where not one of them is there.
+    Raises :class:`ReadError` if it has no point at all.
     """
     if there >= claimed:
         return ()
@@ -166,8 +166,8 @@ def made_cloud(
 ) -> PointCloud:
     """Return the cloud of ``points`` (n, 3) with ``columns`` as fields, by their standard names.
 
-    ``notes`` come before those on the points. Points that are not finite, and those beyond ``max_coordinate``, which
-    become NaN, are counted in its notes, as is the step of coordinates that are too large for their float32. Raises
+    ``notes`` come before those on the points. Non-finite points, and those beyond ``max_coordinate``, which become NaN,
+    are counted in its notes, which also state the resolution of coordinates too large for their float32. Raises
     :class:`ReadError` for a cloud without points.
     """
     n = len(points)

@@ -1,4 +1,4 @@
-"""Points in degrees of longitude and latitude, as metres on a plane.
+"""Conversion of points in degrees of longitude and latitude to metres in a plane.
 
 Source: the radii of curvature of the ellipsoid WGS 84, in the meridian M and in the prime vertical N; NIMA TR8350.2.
 """
@@ -13,26 +13,26 @@ from numpy.typing import NDArray
 from mapper.core.errors import ReadError
 
 SEMI_MAJOR_M, ECCENTRICITY_2 = 6378137.0, 6.69437999014e-3  #: of WGS 84
-WIDEST = 1.0  #: degrees: a plane that touches the ellipsoid is of no use for a wider cloud
+WIDEST = 1.0  #: degrees: a tangent plane of the ellipsoid is not useful for a wider cloud
 MOST = (180.0, 90.0)  #: longitude and latitude
-FINE_DEGREES = 2e-6  #: a step of coordinates below which, beside a coarse one of heights, they are no metres
+FINE_DEGREES = 2e-6  #: resolution of coordinates below which, with coarse heights, they are not metres
 
 
 def have_steps_of_degrees(points: NDArray[np.float64], steps: Sequence[float]) -> bool:
-    """Return whether points (n, 3) may be longitude, latitude and a height by the ``steps`` of their coordinates.
+    """Return whether points (n, 3) may be longitude, latitude and height, by the ``steps`` of their coordinates.
 
-    Nobody states metres to a millionth and heights less than a hundredth as finely.
+    Coordinates in metres would not be a million times finer than a metre with heights a hundred times coarser.
     """
     most = np.nanmax(np.abs(points[:, :2]), axis=0, initial=0.0)
     return bool(max(steps[:2]) <= FINE_DEGREES and steps[2] >= 100.0 * max(steps[:2]) and (most <= MOST).all())
 
 
 def metres_of_degrees(lon_lat: NDArray[np.float64], why: str) -> tuple[NDArray[np.float64], str]:
-    """Return points (n, 2) of longitude and latitude, degrees, as metres east and north of a place, and a note.
+    """Return points (n, 2) of longitude and latitude, degrees, as metres east and north of an origin, and a note.
 
-    The place is the middle of the points, rounded to a millionth of a degree; ``why`` begins the note. The plane
-    touches the ellipsoid there, so that distances are wrong by up to a hundredth in a cloud of 100 km. Points beyond
-    ±180° and ±90° cannot be degrees, whatever is said of them, and are returned as they are, with a note. Raises
+    The origin is the middle of the points, rounded to a millionth of a degree; ``why`` is the beginning of the note.
+    The plane is tangent to the ellipsoid there, so distances have errors of up to a hundredth in a cloud of 100 km.
+    Points beyond ±180° and ±90° cannot be degrees, even if stated so, and are returned unchanged, with a note. Raises
     :class:`ReadError` for clouds wider than :data:`WIDEST`.
     """
     known = lon_lat[np.isfinite(lon_lat).all(axis=1)]

@@ -1,7 +1,7 @@
-"""A folder of depth images that came as one zip or tar archive: its files are written into an empty folder.
+"""Unpacking of a folder of depth images from a zip or tar archive into an empty folder.
 
-Only files that a reader of depth folders asks for are taken, by names of plain letters, so that nothing in the archive
-says where a file is written.
+Only files used by the readers of depth folders are extracted, with names of plain letters, so that the archive cannot
+control where files are written.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ class _File:
 
 
 def is_zip(head: bytes) -> bool:
-    """Return whether a file that begins with ``head`` is a zip archive."""
+    """Return whether a file that starts with ``head`` is a zip archive."""
     return head.startswith((ZIP_MAGIC, EMPTY_ZIP))
 
 
 def is_depth_archive(path: Path, limits: Limits) -> bool:
-    """Return whether a file is a tar archive with depth images. Raises :class:`ReadError` where it cannot be read."""
+    """Return whether a file is a tar archive with depth images. Raises :class:`ReadError` if it cannot be read."""
     with opened(path) as file:
         if not is_tar(file.read(BLOCK)):
             return False
@@ -57,8 +57,8 @@ def is_depth_archive(path: Path, limits: Limits) -> bool:
 def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progress | None = None) -> list[str]:
     """Write the files of a depth folder in the archive ``path`` into the empty folder ``into``; return notes on it.
 
-    Raises :class:`ReadError` for a damaged archive and for one without depth images, and :class:`LimitError` for one of
-    more files or bytes than ``limits`` allow.
+    Raises :class:`ReadError` for a damaged archive and for one without depth images, and :class:`LimitError` for more
+    files or bytes than ``limits`` allow.
     """
     with opened(path) as file:
         head = file.read(BLOCK)
@@ -76,7 +76,7 @@ def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progr
             files = [_of_entry(entry) for entry in entries if not entry.is_dir()]
             _write(files, archive, into, limits, path.stat().st_size, progress)
     except _DAMAGE as error:
-        # Of the disk; but bz2 raises one without a number for damaged data, and a false offset is an invalid argument.
+        # Disk errors; but bz2 raises one without a number for damaged data, and a wrong offset is an invalid argument.
         if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):
             raise
         raise ReadError("log.archive", "The zip archive is damaged, ends early, or is encrypted.") from error
@@ -93,7 +93,7 @@ def _of_member(member: Member) -> _File:
 
 
 def _depth_root(files: list[_File]) -> str | None:
-    """Return the folder in the archive that is a depth folder, None without one."""
+    """Return the folder in the archive that is a depth folder, None if there is none."""
     roots = [file.folder for file in files if file.name.endswith(DEPTH_END) or file.name == TUM_LISTS[0]]
     return min(roots, key=lambda folder: (len(folder), folder)) if roots else None
 
@@ -137,7 +137,7 @@ def _opened(file: _File, archive: zipfile.ZipFile | None) -> IO[bytes]:
 
 
 def _place(file: _File, root: str) -> str | None:
-    """Return where a file is written in the folder, None for a file that is not."""
+    """Return the target of a file in the folder, None if it is not extracted."""
     if file.folder == root:
         is_used = file.name.endswith((DEPTH_END, POSE_END)) or file.name in (*TUM_LISTS, *INTRINSICS)
         return file.name if is_used and _PLAIN.fullmatch(file.name) else None

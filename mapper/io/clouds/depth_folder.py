@@ -1,9 +1,9 @@
-"""Folders of depth images with poses and intrinsics: those of 7-Scenes, and those of the TUM RGB-D benchmark.
+"""Folders of depth images with poses and intrinsics, in the formats of 7-Scenes and the TUM RGB-D benchmark.
 
 Source: the page of Microsoft's 7-Scenes (``frame-XXXXXX.depth.png``, millimetres, 65535 invalid;
 ``frame-XXXXXX.pose.txt``, camera to world, 4 × 4; principal point (320, 240), focal length 585); the TUM RGB-D
-benchmark's "File Formats" (``depth.txt``: timestamp and file name; 5000 steps a metre, 0 invalid; ``groundtruth.txt``)
-and "Intrinsic Camera Calibration" (of the ROS default 525, 525, 319.5, 239.5).
+benchmark's "File Formats" (``depth.txt``: timestamp and file name; 5000 units per metre, 0 invalid;
+``groundtruth.txt``) and "Intrinsic Camera Calibration" (ROS default 525, 525, 319.5, 239.5).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from mapper.io.clouds.tum_poses import tum_frames
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.depth_image import DepthFolder, DepthFrame
 
-NO_DEPTH = (0, 65535)  #: values without a depth: 0 of TUM and of most cameras, 65535 of 7-Scenes
+NO_DEPTH = (0, 65535)  #: invalid values: 0 in TUM and most cameras, 65535 in 7-Scenes
 
 
 def image_size(path: Path) -> tuple[int, int]:
@@ -38,9 +38,9 @@ def image_size(path: Path) -> tuple[int, int]:
 
 
 def read_depth(path: Path, camera: Intrinsics, unit: float, limits: Limits) -> NDArray[np.float32]:
-    """Return the depths (height, width), metres, of which each step in the file is ``unit``; NaN where there is none.
+    """Return the depths (height, width), metres, from a file in units of ``unit`` metres; NaN for no depth.
 
-    Raises :class:`ReadError` for a file that is no 16-bit grey PNG, ends early, or is of another size than the camera's
+    Raises :class:`ReadError` for a file that is not a 16-bit grey PNG, ends early, or differs in size from the camera's
     images.
     """
     width, height = image_size(path)
@@ -69,7 +69,7 @@ def read_depth(path: Path, camera: Intrinsics, unit: float, limits: Limits) -> N
 
 
 DEPTH_END, POSE_END = ".depth.png", ".pose.txt"
-SEVEN_SCENES_UNIT, TUM_UNIT = 0.001, 1.0 / 5000.0  #: metres of one step
+SEVEN_SCENES_UNIT, TUM_UNIT = 0.001, 1.0 / 5000.0  #: metres per unit
 INTRINSICS = ("camera-intrinsics.txt", "intrinsics.txt", "camera.txt")
 USUAL_SIZE = (640, 480)
 SEVEN_SCENES_CAMERA, TUM_CAMERA = (585.0, 585.0, 320.0, 240.0), (525.0, 525.0, 319.5, 239.5)
@@ -78,16 +78,16 @@ NO_POSE_NOTE = "{n} of {all} depth images have no pose and are left out, the fir
 
 
 def is_depth_folder(path: Path) -> bool:
-    """Return whether a folder has depth images as :func:`read_depth_folder` reads them."""
+    """Return whether a folder has depth images that :func:`read_depth_folder` can read."""
     return path.is_dir() and ((path / "depth.txt").is_file() or any(path.glob(f"*{DEPTH_END}")))
 
 
 def read_depth_folder(path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS) -> DepthFolder:
-    """Return the depth images of the folder ``path``, with poses and intrinsics; an image is read when it is asked for.
+    """Return the depth images of the folder ``path``, with poses and intrinsics; images are read on demand.
 
-    Intrinsics are those of one of :data:`INTRINSICS`, a matrix 3 × 3 or the four numbers fx fy cx cy; without that file
-    those that the data set's page states, which a note says. Raises :class:`ReadError` for a folder without depth
-    images, for invalid intrinsics and for poses that are no rotations, and :class:`LimitError`.
+    Intrinsics come from one of :data:`INTRINSICS`, a 3 × 3 matrix or the four numbers fx fy cx cy; without that file
+    they are those of the data set's page, with a note. Raises :class:`ReadError` for a folder without depth images, for
+    invalid intrinsics and for poses that are not rotations, and :class:`LimitError`.
     """
     folder = Path(path)
     if not folder.is_dir():

@@ -1,4 +1,4 @@
-"""Description of a cloud: its box, its fields, and the spacing of its points."""
+"""Description of a cloud: bounding box, fields, and point spacing."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from mapper.sensors.point_cloud import PointCloud
 
-ASKED = 2000  #: points whose nearest neighbour is looked for
-MOST_SEARCHED = 500_000  #: points among which it is looked for: of a larger cloud those of a slab across it
+ASKED = 2000  #: points whose nearest neighbour is searched
+MOST_SEARCHED = 500_000  #: points searched; for a larger cloud those of a slab across it
 
 
 def spacing(points: NDArray[np.floating[Any]]) -> float | None:
-    """Return the median distance, metres, from a point to its nearest neighbour; None for fewer than two places.
+    """Return the median distance, metres, from a point to its nearest neighbour; None for fewer than two positions.
 
-    It is that of up to :data:`ASKED` points of ``points`` (n, 3), finite ones, evenly spread over their order. Points
-    that are in one place count as one.
+    It is computed for up to :data:`ASKED` finite points of ``points`` (n, 3), evenly spaced in their order. Coincident
+    points count as one.
     """
     from scipy.spatial import cKDTree  # noqa: PLC0415 # only who asks for it pays for it
 
@@ -36,10 +36,10 @@ def spacing(points: NDArray[np.floating[Any]]) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class CloudDescription:
-    """Facts of a cloud: how many points, how many of them ``finite``, rows and columns of one that is ``organised``.
+    """Facts of a cloud: number of points, number of ``finite`` ones, rows and columns if it is ``organised``.
 
-    ``low`` and ``high`` are the corners of the box around the finite points and ``sensor`` the sensor's place, x, y, z
-    in metres. ``fields`` has the dtype and the shape of each value of a field.
+    ``low`` and ``high`` are the corners of the bounding box of the finite points and ``sensor`` the sensor's position,
+    x, y, z in metres. ``fields`` has the dtype and shape of each field.
     """
 
     points: int
@@ -55,7 +55,7 @@ class CloudDescription:
 
 
 def description(cloud: PointCloud) -> CloudDescription:
-    """Return the facts of a cloud as ``gridbloom info`` prints them."""
+    """Return the facts of a cloud as printed by ``gridbloom info``."""
     known = cloud.points[cloud.finite]
     low, high = (known.min(axis=0), known.max(axis=0)) if len(known) else (None, None)
     return CloudDescription(

@@ -1,4 +1,4 @@
-"""Poses of a sensor that a TUM file states, for clouds that do not say where they were taken."""
+"""Sensor poses from a TUM file, for clouds that do not state where they were taken."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from mapper.io.trajectories.tum import tum_rows
 
 @dataclass(frozen=True, slots=True)
 class GivenPoses:
-    """``T_map_sensor`` at stamps (n,), ns, in the file's order.
+    """``T_map_sensor`` at stamps (n,), ns, in file order.
 
     ``values`` (n, 7) are x y z, metres, and the unit quaternion x y z w; ``name`` is the file's.
     """
@@ -28,7 +28,7 @@ class GivenPoses:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> GivenPoses:
-        """Return the poses of a TUM file. Raises as :func:`mapper.io.trajectories.tum.tum_rows`."""
+        """Return the poses of a TUM file. Raises the errors of :func:`mapper.io.trajectories.tum.tum_rows`."""
         stamps, values, _ = tum_rows(Path(path), limits)
         return cls(Path(path).name, stamps, values)
 
@@ -36,14 +36,14 @@ class GivenPoses:
         return len(self.stamps)
 
     def matrix(self, number: int) -> Float64Array:
-        """Return pose ``number`` of the file as ``T_map_sensor`` (4, 4)."""
+        """Return the pose with index ``number`` in the file as ``T_map_sensor`` (4, 4)."""
         row = slice(number, number + 1)
         return np.asarray(poses_between(self.stamps[row], self.values[row], self.stamps[row])[0])
 
     def at(self, frame_id: str, times_ns: Int64Array) -> Float64Array:
-        """Return the poses (n, 4, 4) at stamps (n,), ns, of whatever frame; NaN where none is near.
+        """Return the poses (n, 4, 4) at stamps (n,), ns, for any frame; NaN if none is near.
 
-        Between two poses they are interpolated, as those of depth images are.
+        They are interpolated between two poses, like those of depth images.
         """
         del frame_id  # the file states the poses of the sensor itself
         stamps, first = np.unique(self.stamps, return_index=True)

@@ -1,8 +1,8 @@
 """OctoMap's scan graphs: scans with poses, binary or as text.
 
 Source: ``ScanGraph::readBinary`` and ``readPlainASCII``, ``Pointcloud::readBinary``, ``Vector3::readBinary`` and
-``Quaternion::readBinary`` of octomap 1.9. The points of a node are in the scan's frame, and its pose is where that was.
-The edges, which no map needs, are not read.
+``Quaternion::readBinary`` of octomap 1.9. The points of a node are in the scan's frame, whose pose is the node's. The
+edges are not needed and not read.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
 POINT = np.dtype([("size", "<i4"), ("xyz", "<f8", (3,))])
 POSE = struct.Struct("<i3di4d")
-NORM_TOLERANCE = 0.05  #: how far a quaternion may be from length 1
+NORM_TOLERANCE = 0.05  #: tolerance of a quaternion's length around 1
 
 
 def looks_like_graph(data: bytes) -> bool:
-    """Return whether a file that begins with ``data`` is a scan graph: a node in words, or one in binary numbers."""
+    """Return whether a file that starts with ``data`` is a scan graph, with a node in text or binary form."""
     if data.lstrip()[:5] in (b"NODE ", b"NODE\t"):
         return True
     if len(data) < 12:
@@ -90,7 +90,7 @@ def _cut(node: int, count: int) -> ReadError:
 
 def _posed(points: NDArray[np.float64], pose: NDArray[np.float64], node: int, limits: Limits) -> PosedCloud:
     try:
-        if not np.abs(pose[:3, 3]).max() <= limits.max_coordinate:  # nor is it NaN
+        if not np.abs(pose[:3, 3]).max() <= limits.max_coordinate:  # also rejects NaN
             raise ReadError("cloud.pose", "The cloud’s pose is not finite, or too far from the origin.")
         cloud = made_cloud(points, {}, limits) if len(points) else PointCloud(np.zeros((0, 3)))
         return PosedCloud(replace(cloud, frame_id=f"node {node}"), pose)

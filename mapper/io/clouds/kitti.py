@@ -1,7 +1,7 @@
-"""Scans of the Velodynes of KITTI and nuScenes (.bin): 32-bit numbers of each point, one point after another.
+"""Velodyne scans of KITTI and nuScenes (.bin): 32-bit numbers, point by point.
 
 Source: the development kits of KITTI ("x, y, z and reflectance", 0 to 1) and of nuScenes (``LidarPointCloud``: x, y, z,
-intensity, 0 to 255, ring), in the sensor's frame. Such a file has no header: it is known by what its numbers are.
+intensity, 0 to 255, ring), in the sensor's frame. Such a file has no header and is recognised by its values.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from mapper.core.limits import Limits
 from mapper.io.clouds.content import check_count, made_cloud
 from mapper.sensors.point_cloud import PointCloud
 
-#: what a point's numbers after x, y and z are, and the datasets whose files have them, the narrower form first
+#: a point's numbers after x, y and z, and the datasets that use them, the narrower form first
 FORMS = {("intensity",): "KITTI", ("intensity", "ring"): "nuScenes"}
-LEAST_POINTS = 16  #: fewer do not tell what they are
+LEAST_POINTS = 16  #: fewer are not enough for recognition
 NEAR_M, REACH_M, FAR_M = 0.3, 2.0, 500.0
 MOST_WHOLE = 255
 
 
 def looks_like_kitti(head: bytes) -> bool:
-    """Return whether a file that begins with ``head`` holds points without a header."""
+    """Return whether a file that starts with ``head`` contains points without a header."""
     return _form_of(head) is not None
 
 
 def read_kitti(data: bytes, limits: Limits) -> PointCloud:
-    """Return the points of a file without a header, with a note that says how it is read.
+    """Return the points of a file without a header, with a note on the assumed format.
 
-    Raises :class:`ReadError` where the points after the first ones are none.
+    Raises :class:`ReadError` if the points after the first ones are invalid.
     """
     names = _form_of(data)
     if names is None or len(data) % _width(names):
@@ -56,11 +56,11 @@ def _records(data: bytes, names: tuple[str, ...]) -> NDArray[np.float32]:
 
 
 def _form_of(data: bytes) -> tuple[str, ...] | None:
-    """Return what the numbers of the whole records in ``data`` are after x, y and z; None where they are no points.
+    """Return the names of the numbers after x, y and z in the records of ``data``; None if they are not points.
 
-    The intensities are 0 to 1 or, as rings, whole numbers of one byte; half of the points at least are no nearer than
-    :data:`NEAR_M`, one farther than :data:`REACH_M`, and none farther than :data:`FAR_M`. Digits of a text are numbers
-    near 0 if they are read so, and those of any other table stand in all columns.
+    The intensities must be 0 to 1 or, like rings, integers of one byte; at least half of the points must be no nearer
+    than :data:`NEAR_M`, one farther than :data:`REACH_M`, and none farther than :data:`FAR_M`. Digits of a text read in
+    this way are numbers near 0, and those of any other table occur in all columns.
     """
     return next((names for names in FORMS if _are_points(_records(data, names))), None)
 

@@ -1,7 +1,7 @@
-"""Point clouds of airborne and ground lidar: LAS, and LAZ, its compressed form.
+"""Point clouds of airborne and terrestrial lidar: LAS, and its compressed form LAZ.
 
-Source: the ASPRS LAS specification 1.4. Both are read by laspy (LAZ with lazrs), part by part, once the numbers in the
-header have been compared with the bytes that there are: laspy goes through as many records as a header claims.
+Source: the ASPRS LAS specification 1.4. Both are read by laspy (LAZ with lazrs) in parts, after the numbers in the
+header have been checked against the available bytes, because laspy processes as many records as a header claims.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from mapper.io.clouds.projection import USER, Units, units_of
 from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
 
-PART = 1 << 20  #: points that are unpacked at a time
-SMALL_PART, PARTS = 1 << 12, 256  #: at most, and parts at least, of a file that ends early: its last part is lost
+PART = 1 << 20  #: points decompressed at a time
+SMALL_PART, PARTS = 1 << 12, 256  #: maximum size, and minimum number, of parts of a file that ends early
 NEWEST = (1, 4)  #: version
-HEADER_BYTES = 227  #: of the shortest version
+HEADER_BYTES = 227  #: of the oldest version
 RECORD_BYTES, EXTENDED_BYTES = 54, 60  #: of the header of a variable-length record, and of an extended one
-LEAST_POINT_BYTES = 20  #: of a point of any format
+LEAST_POINT_BYTES = 20  #: of a point in any format
 DIMENSIONS = ("intensity", "classification", "return_number", "number_of_returns", "gps_time", "red", "green", "blue")
 
 
 def read_las(data: bytes, limits: Limits) -> PointCloud:
-    """Return the points of a LAS or LAZ file, with intensity, class, returns, times and colours where it has them.
+    """Return the points of a LAS or LAZ file, with intensity, class, returns, times and colours if it has them.
 
-    Coordinates in feet or degrees, by the file's projection record, are converted to metres with a note. Of a file that
-    ends early the points that are there, with a note. Raises :class:`ReadError` for a file that is damaged, and
+    Coordinates in feet or degrees, by the file's projection record, are converted to metres with a note. For a file
+    that ends early these are the available points, with a note. Raises :class:`ReadError` for a damaged file, and
     :class:`LimitError`.
     """
     data, notes = _checked(data)
@@ -52,11 +52,11 @@ def read_las(data: bytes, limits: Limits) -> PointCloud:
         if table is None:
             raise _damaged(error) from error
         failure: BaseException = error
-    except BaseException as error:  # lazrs reports a defect in Rust as one that is no Exception
+    except BaseException as error:  # lazrs reports errors in Rust with a class that is not an Exception
         if type(error).__name__ != "PanicException":
             raise
         raise _damaged(error) from error
-    try:  # the table of chunks is cut, or a chunk is damaged: the points before it are whole
+    try:  # the chunk table is cut, or a chunk is damaged; the points before it are valid
         return _read(_with_table(data, table), limits, notes, is_cut=True)
     except MapperError:
         raise
@@ -71,8 +71,8 @@ def read_las(data: bytes, limits: Limits) -> PointCloud:
 def _read(data: bytes, limits: Limits, notes: tuple[str, ...], *, is_cut: bool = False) -> PointCloud:
     import laspy  # noqa: PLC0415 # only who reads this format pays for it
 
-    logging.getLogger("laspy").setLevel(logging.CRITICAL)  # what it says there, an error says here
-    # The parallel reader goes by the table of chunks, the other one from one chunk to the next.
+    logging.getLogger("laspy").setLevel(logging.CRITICAL)  # our error contains its message
+    # The parallel reader uses the chunk table, the other one goes from one chunk to the next.
     backend = laspy.LazBackend.Lazrs if is_cut else None
     with laspy.open(io.BytesIO(data), closefd=False, laz_backend=backend) as reader:
         header = reader.header
@@ -101,7 +101,7 @@ def _read(data: bytes, limits: Limits, notes: tuple[str, ...], *, is_cut: bool =
 
 @dataclass(frozen=True, slots=True)
 class _Sizes:
-    """What the public header says of the places of records and points."""
+    """The offsets and sizes of records and points in the public header."""
 
     header: int
     points_at: int
@@ -118,7 +118,7 @@ def _sizes(data: bytes) -> _Sizes:
 
 
 def _points_end(data: bytes) -> int:
-    """Return where points that are not compressed end at the latest: before waveforms, extended records or the end."""
+    """Return the maximum end of uncompressed points: before waveforms, extended records or the end of the file."""
     sizes = _sizes(data)
     (waveforms_at,) = struct.unpack_from("<Q", data, 227) if data[25] >= 3 and len(data) >= 235 else (0,)
     ends = (waveforms_at, sizes.extended_at if sizes.extended else 0)
@@ -155,10 +155,10 @@ def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:
 
 
 def _chunk_table(data: bytes) -> int | None:
-    """Return where the table of chunks of compressed points begins; None where it is not in the file.
+    """Return the start of the chunk table of compressed points; None if it is not in the file.
 
-    Nor is it where it claims more chunks than fit before it, each with its first point as it is: lazrs reserves memory
-    for what it claims, and ends the process where there is none.
+    Also None if it claims more chunks than fit before it, each with its uncompressed first point, because lazrs
+    allocates memory for the claimed number, and aborts the process if there is none.
     """
     at = _sizes(data).points_at
     if at + 8 > len(data):
@@ -171,7 +171,7 @@ def _chunk_table(data: bytes) -> int | None:
 
 
 def _with_table(data: bytes, end: int) -> bytes:
-    """Return compressed points up to byte ``end`` with a table of no chunks: lazrs begins only where there is one."""
+    """Return compressed points up to byte ``end`` with an empty chunk table, which lazrs requires."""
     at = _sizes(data).points_at
     return data[:at] + struct.pack("<q", end) + data[at + 8 : end] + bytes(8)
 
@@ -219,7 +219,9 @@ def _units(reader: Any) -> Units | None:  # noqa: ANN401
 def _in_metres(
     points: NDArray[np.float64], units: Units | None, steps: tuple[float, ...]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Return points (n, 3) in metres, and notes on what they were; ``steps`` are those of the stored coordinates."""
+    """Return points (n, 3) in metres, and notes on the conversion; ``steps`` are the resolutions of stored
+    coordinates.
+    """
     if (units is None or units.model == "projected") and have_steps_of_degrees(points, steps):
         stated = "states no units" if units is None else f"states the unit {units.horizontal[0]!r}"
         why = f"The file {stated}, but x and y have steps of {steps[0]:g} and z of {steps[2]:g}, as degrees have"

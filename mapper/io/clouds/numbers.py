@@ -1,4 +1,4 @@
-"""Tables of numbers in text: as many on each line."""
+"""Tables of numbers in text, with equally many on each line."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from mapper.core.limits import Limits
 from mapper.io.logs.names import printable
 
 _ROW = re.compile(r" at row (\d+)")
-CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a remark
+CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a comment
 
-_FORTRAN = re.compile(rb"(?<=[\d.])[dD](?=[-+]?\d+(?![\w.]))")  #: before the exponent of a number of double precision
-#: What programs write where there is no number: C on Windows, spreadsheets, databases, R and Python.
+_FORTRAN = re.compile(rb"(?<=[\d.])[dD](?=[-+]?\d+(?![\w.]))")  #: before the exponent of a double-precision number
+#: Written instead of a number by C on Windows, spreadsheets, databases, R and Python.
 _NOTHING = re.compile(rb"(?<![^\s,;|])(?:[-+]?nan\([^)\s]*\)|#?N/A|NA|NULL|null|None|none)(?![^\s,;|])")
 _SIGNS_OF_NOTHING = (b"nan(", b"N/A", b"NA", b"NULL", b"null", b"one")
-_WINDOWS = re.compile(rb"[-+]?1\.#\w+")  #: ``1.#QNAN``, ``-1.#IND``, ``1.#INF``, as C wrote them there until 2015
+_WINDOWS = re.compile(rb"[-+]?1\.#\w+")  #: ``1.#QNAN``, ``-1.#IND``, ``1.#INF``, written by C on Windows until 2015
 
 
 def as_python_writes(text: bytes) -> bytes:
-    """Return a text with its numbers as Python reads them: ``1.0D+02`` of Fortran, and ``1.#QNAN`` of C on Windows.
+    """Return a text with its numbers in Python's notation: Fortran's ``1.0D+02``, and ``1.#QNAN`` of C on Windows.
 
-    What is not finite there is ``nan`` then, as are words for no number: ``-nan(ind)``, ``NA``, ``NULL``, ``None``.
+    Non-finite numbers become ``nan``, as do words for missing numbers: ``-nan(ind)``, ``NA``, ``NULL``, ``None``.
     """
     if any(sign in text for sign in _SIGNS_OF_NOTHING):
         text = _NOTHING.sub(b"nan", text)
@@ -37,13 +37,13 @@ def as_python_writes(text: bytes) -> bytes:
 def table(
     text: bytes, separator: str | None, n: int | None, columns: int | None, limits: Limits, first_line: int = 1
 ) -> NDArray[np.float64]:
-    """Return the numbers of ``text`` (rows, columns): ``nan`` and ``inf`` count, empty lines and ``#`` remarks do not.
+    """Return the numbers of ``text`` (rows, columns), including ``nan`` and ``inf``; empty lines and ``#`` comments are
+    skipped.
 
-    ``separator`` is a character, or None for blanks. ``n`` is how many rows there should be, None where that is open:
-    there may be fewer where the file ends early, and then its last line does not count unless it is whole.
-    ``columns`` are how many there must be, None where that is open; ``first_line`` is the number of the text's first
-    line in its file. Raises :class:`ReadError` for a token that is no number and another number of values;
-    :class:`LimitError` for too many.
+    ``separator`` is a character, or None for blanks. ``n`` is the expected number of rows, None if unknown; there may
+    be fewer if the file ends early, and an incomplete last line is then ignored. ``columns`` is the required number of
+    columns, None for any; ``first_line`` is the line number of the text's start in its file. Raises :class:`ReadError`
+    for a token that is not a number and another number of values; :class:`LimitError` for too many.
     """
     most = limits.max_points
     text = as_python_writes(text)
@@ -69,7 +69,9 @@ def table(
 
 
 def _message(error: str, first_line: int) -> str:
-    """Return what NumPy says of a row, as a sentence with the line in the file, remarks and empty lines not counted."""
+    """Return NumPy's message on a row as a sentence with the line in the file, not counting comments and empty
+    lines.
+    """
     match = _ROW.search(error)
     where = f"near line {int(match.group(1)) + first_line}" if match else "in the points"
     if "columns changed" in error or "number of columns" in error:

@@ -1,9 +1,9 @@
 """Point clouds in PCL's format PCD: ascii, binary and binary_compressed.
 
 Source: "The PCD (Point Cloud Data) file format" of PCL's documentation; the columns of compressed data are those of
-``pcl::PCDWriter::writeBinaryCompressed``. pypcd4 unpacks compressed points, after a check that the file has the bytes
-that its header claims: pypcd4 reserves memory for what is claimed. Points that are not compressed are read here, as far
-as the file goes.
+``pcl::PCDWriter::writeBinaryCompressed``. pypcd4 decompresses points, after a check that the file has the bytes that
+its header claims, because pypcd4 allocates memory for the claimed size. Uncompressed points are read here, as far as
+the file goes.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from mapper.io.clouds.numbers import table
 from mapper.io.clouds.pcd_header import PcdHeader, pcd_header
 from mapper.sensors.point_cloud import PointCloud
 
-LZF_EXPANSION = 132  #: LZF writes at most 264 bytes for two: a run of 264 takes three, one of 8 two
+LZF_EXPANSION = 132  #: LZF outputs at most 264 bytes for two input bytes: a run of 264 takes three, one of 8 two
 
 
 def read_pcd(data: bytes, limits: Limits) -> PointCloud:
-    """Return the cloud in the bytes of a PCD file, ``sensor_pose`` from its VIEWPOINT.
+    """Return the cloud in the bytes of a PCD file, with ``sensor_pose`` from its VIEWPOINT.
 
-    Of a file that ends early the points that are there, with a note. Raises :class:`ReadError` for an invalid header
-    and compressed points that are not all there, and :class:`LimitError`.
+    For a file that ends early these are the available points, with a note. Raises :class:`ReadError` for an invalid
+    header and incomplete compressed points, and :class:`LimitError`.
     """
     header = pcd_header(data)
     check_count(header.points, limits)
@@ -91,14 +91,14 @@ def _unpacked(data: bytes, header: PcdHeader, row: np.dtype[np.void]) -> list[ND
     except (ValueError, RuntimeError, struct.error, OverflowError, MemoryError, UnicodeDecodeError) as error:
         raise ReadError("cloud.damaged", "The packed points are damaged: they do not unpack.") from error
     columns = iter([np.ascontiguousarray(read.pc_data[name]) for name in read.pc_data.dtype.names or ()])
-    # The numbers of each point are side by side, which pypcd4 takes for one column after another.
+    # pypcd4 returns the numbers of each point side by side, as if they were consecutive columns.
     return [
         np.concatenate([next(columns) for _ in range(field.count)]).reshape(-1, field.count) for field in header.fields
     ]
 
 
 def _check_bytes(data: bytes, begin: int, needed: int) -> None:
-    """Raise :class:`ReadError` unless the bytes may be there that unpack to the points' ``needed`` ones."""
+    """Raise :class:`ReadError` unless there may be enough bytes for the points' ``needed`` decompressed ones."""
     there = len(data) - begin
     if there < 8:
         raise ReadError("cloud.truncated", "The file ends before its points.")
@@ -116,7 +116,7 @@ def _check_bytes(data: bytes, begin: int, needed: int) -> None:
 
 
 def _viewpoint(header: PcdHeader) -> NDArray[np.float64] | None:
-    """Return ``T_frame_sensor`` (4, 4); None for the identity, which files have that do not know it."""
+    """Return ``T_frame_sensor`` (4, 4); None for the identity, which means unknown in most files."""
     x, y, z, w, qx, qy, qz = header.viewpoint
     length = float(np.linalg.norm((w, qx, qy, qz)))
     if (x, y, z, qx, qy, qz) == (0.0,) * 6 or abs(length - 1.0) > 0.05:

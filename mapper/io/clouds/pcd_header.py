@@ -1,8 +1,8 @@
-"""The header of a PCD file, in the variants that are in use.
+"""Parser of PCD headers, in the variants in use.
 
-Source: "The PCD (Point Cloud Data) file format" of PCL's documentation; ``pcl::PCDReader::readHeader`` for what may be
-left out. It is read here, and not by pypcd4, as that refuses types in lower case, counts of zero and other header lines
-that PCL, Open3D or PDAL read.
+Source: "The PCD (Point Cloud Data) file format" of PCL's documentation; ``pcl::PCDReader::readHeader`` for optional
+lines. pypcd4 is not used because it rejects lower-case types, counts of zero and other header lines that PCL, Open3D or
+PDAL accept.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mapper.core.errors import ReadError
 from mapper.io.logs.names import printable
 
 MOST_HEADER_BYTES = 1 << 16
-MOST_NUMBERS = 4096  #: of one point
+MOST_NUMBERS = 4096  #: per point
 WORDS = ("VERSION", "FIELDS", "COLUMNS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "VIEWPOINT", "POINTS", "DATA")
 KINDS = ("ascii", "binary", "binary_compressed")
 _FIELDS = re.compile(rb"^[ \t]*(fields|columns)[ \t]", re.MULTILINE | re.IGNORECASE)
@@ -26,7 +26,7 @@ _SIZES = {"F": (4, 8), "I": (1, 2, 4, 8), "U": (1, 2, 4, 8)}
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of each point: ``count`` numbers of a NumPy type. Padding has a name that begins with ``_``."""
+    """A field of each point: ``count`` numbers of a NumPy type. Padding has a name that starts with ``_``."""
 
     name: str
     kind: str
@@ -34,16 +34,16 @@ class Field:
 
     @property
     def is_padding(self) -> bool:
-        """Whether its bytes say nothing."""
+        """Whether its bytes are unused."""
         return self.name.startswith("_")
 
 
 @dataclass(frozen=True, slots=True)
 class PcdHeader:
-    """What a header says; the data begins at byte ``begin``.
+    """Contents of a header; the data starts at byte ``begin``.
 
-    ``shape`` is (height, width), None where that is not the number of points; ``notes`` say so. ``viewpoint`` is
-    x y z, and a quaternion w x y z.
+    ``shape`` is (height, width), None if that does not match the number of points, with a sentence in ``notes``.
+    ``viewpoint`` is x y z, and a quaternion w x y z.
     """
 
     fields: tuple[Field, ...]
@@ -55,12 +55,12 @@ class PcdHeader:
     notes: tuple[str, ...] = ()
 
     def dtype(self) -> np.dtype[np.void]:
-        """Return the type of a point in binary data: a field ``f0``, ``f1`` … for each of the file's."""
+        """Return the type of a point in binary data: fields ``f0``, ``f1`` … for those of the file."""
         parts = [(f"f{k}", f"<{field.kind}", (field.count,)) for k, field in enumerate(self.fields)]
         return np.dtype(parts)
 
     def written(self, n: int) -> bytes:
-        """Return a header of version 0.7 for the first ``n`` points, whose fields are named ``f0``, ``f1`` …"""
+        """Return a header of version 0.7 for the first ``n`` points, with fields named ``f0``, ``f1`` …"""
         kinds = {"f": "F", "i": "I", "u": "U"}
         rows = {
             "FIELDS": [f"f{k}" for k in range(len(self.fields))],
@@ -76,7 +76,7 @@ class PcdHeader:
 
 
 def looks_like_pcd(head: bytes) -> bool:
-    """Return whether a file that begins with ``head`` is PCD: its first word after remarks, and a line FIELDS."""
+    """Return whether a file that starts with ``head`` is PCD: its first word after comments, and a FIELDS line."""
     for line in head.split(b"\n"):
         words = line.split()
         if words and not words[0].startswith(b"#"):
@@ -87,7 +87,7 @@ def looks_like_pcd(head: bytes) -> bool:
 
 
 def pcd_header(data: bytes) -> PcdHeader:
-    """Return the header that a file begins with. Raises :class:`ReadError`, naming the line that is wrong."""
+    """Return the header at the beginning of a file. Raises :class:`ReadError`, naming the invalid line."""
     lines, begin = _lines(data)
     names = lines.get("FIELDS") or lines.get("COLUMNS") or []
     if not names:
@@ -107,7 +107,7 @@ def pcd_header(data: bytes) -> PcdHeader:
             text = printable(f"{kind} {size}"[:20])
             raise ReadError("cloud.header", f"The header’s TYPE and SIZE {text!r} are not types of a PCD file.")
         n = _whole(count, "COUNT")
-        if n:  # a field of no numbers has no bytes
+        if n:  # a field without numbers has no bytes
             fields.append(Field(printable(name[:100]), f"{kind.lower()}{size}", n))
     if sum(field.count for field in fields) > MOST_NUMBERS:
         raise ReadError("cloud.header", f"A point has more than {MOST_NUMBERS} numbers, which no sensor’s has.")
@@ -122,7 +122,7 @@ def pcd_header(data: bytes) -> PcdHeader:
 
 
 def _lines(data: bytes) -> tuple[dict[str, list[str]], int]:
-    """Return the words after the first one of each line up to DATA, and where the data begins."""
+    """Return the words after the first one of each line up to DATA, and the start of the data."""
     at, words_of_key = 0, {}
     while at < min(len(data), MOST_HEADER_BYTES):
         end = data.find(b"\n", at, MOST_HEADER_BYTES)
@@ -146,10 +146,12 @@ def _whole(word: str, name: str) -> int:
 
 
 def _count(lines: dict[str, list[str]]) -> tuple[int, tuple[int, int] | None, tuple[str, ...]]:
-    """Return the number of points, their height and width, and a note where both disagree: POINTS counts, but not 0."""
+    """Return the number of points, height and width, and a note if they disagree: a non-zero POINTS takes
+    precedence.
+    """
     sizes = {name: _whole(lines[name][0], name) for name in ("WIDTH", "HEIGHT", "POINTS") if lines.get(name)}
     width, height = sizes.get("WIDTH"), sizes.get("HEIGHT", 1)
-    points = sizes.get("POINTS", None if width is None else width * height)  # version .6 and before lack POINTS
+    points = sizes.get("POINTS", None if width is None else width * height)  # versions up to .6 lack POINTS
     if points == 0 and width and height:
         note = f"The header says 0 points, but its width and height {width} × {height}; the latter are taken."
         return width * height, (height, width), (note,)

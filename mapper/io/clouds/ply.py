@@ -1,10 +1,10 @@
 """Point clouds and triangles in PLY files: ascii, and binary of either byte order.
 
-Source: Greg Turk's description of the format (1994). The elements may stand in any order, with lists among their
-properties; of the vertices their lists are passed over.
+Source: Greg Turk's description of the format (1994). Elements may be in any order and have list properties; list
+properties of vertices are skipped.
 
-The parsing is our own in place of plyfile's: it reads the whole points of a file that ends early, checks what the
-header claims against the bytes that there are before memory is reserved, and makes no Python object for each list.
+We do not use plyfile: this parser reads the complete points of a file that ends early, checks the header's claims
+against the available bytes before allocating memory, and creates no Python object per list.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from mapper.io.logs.names import printable
 from mapper.io.logs.text.lines import BOM
 from mapper.sensors.point_cloud import PointCloud
 
-#: Names in the file of what is known of points; others keep theirs.
+#: Names in the file of known point fields; others are kept.
 _NAMES = {"rgb": ("red", "green", "blue"), "class": ("classification",)}
 _TYPES = {"u1": "uchar", "i1": "char", "u2": "ushort", "i2": "short", "u4": "uint", "i4": "int", "f4": "float"}
 
@@ -38,8 +38,8 @@ _TYPES = {"u1": "uchar", "i1": "char", "u2": "ushort", "i2": "short", "u4": "uin
 def points_ply(points: Float32Array, fields: Mapping[str, NDArray[Any]], offset: Float64Array) -> bytes:
     """Return points (n, 3), metres, with their ``fields`` (n,) or (n, k) as a binary PLY file.
 
-    ``offset`` (3,) is a comment: what is added to the points is in the coordinates of the file that was mapped. A field
-    of a type that PLY lacks, as 64 bits, is written as float.
+    ``offset`` (3,) is written as a comment; adding it to the points yields the coordinates of the mapped file. A field
+    of a type that PLY lacks, such as 64 bits, is written as float.
     """
     columns: dict[str, NDArray[Any]] = {name: points[:, n] for n, name in enumerate("xyz")}
     for name, values in fields.items():
@@ -60,7 +60,7 @@ def points_ply(points: Float32Array, fields: Mapping[str, NDArray[Any]], offset:
 
 
 MOST_HEADER_BYTES = 1 << 16
-MOST_UNEVEN = 2_000_000  #: rows whose lists differ in length, which are gone through one by one
+MOST_UNEVEN = 2_000_000  #: rows whose lists differ in length, which are processed individually
 END = re.compile(rb"end_header[ \t]*\r?\n")
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -72,7 +72,7 @@ ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """A property: its name, the NumPy type of its numbers, and that of its length where it is a list."""
+    """A property: its name, the NumPy type of its numbers, and that of its length if it is a list."""
 
     name: str
     kind: str
@@ -81,7 +81,7 @@ class Property:
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """An element of the header: how many rows it has, and the properties of each."""
+    """An element of the header: its number of rows, and its properties."""
 
     name: str
     count: int
@@ -90,9 +90,9 @@ class Element:
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """The rows of an element that are in the file, ``n`` of them; the next element begins at byte ``end``.
+    """The rows of an element in the file, ``n`` of them; the next element starts at byte ``end``.
 
-    ``columns`` are those of its numbers (n,); ``lists`` those of its lists (n, length) that all have one length.
+    ``columns`` are those of its numbers (n,); ``lists`` those of its lists (n, length) with one common length.
     """
 
     n: int
@@ -103,7 +103,7 @@ class Rows:
 
 @dataclass(frozen=True, slots=True)
 class PlyFile:
-    """A file's bytes, and what its header says. ``order`` is a byte order of NumPy, or "" for ascii."""
+    """The bytes of a file, and the contents of its header. ``order`` is a NumPy byte order, or "" for ascii."""
 
     data: bytes
     order: str
@@ -115,9 +115,9 @@ class PlyFile:
         return next((element for element in self.elements if element.name == name), None)
 
     def rows(self, name: str, limits: Limits) -> Rows:
-        """Return the rows of the first element of a name; those before it are passed over.
+        """Return the rows of the first element with a name; earlier elements are skipped.
 
-        Raises :class:`ReadError` where the file ends before them, or a number is none, and :class:`LimitError`.
+        Raises :class:`ReadError` if the file ends before them, or a number is invalid, and :class:`LimitError`.
         """
         at = self.begin
         for element in self.elements:
@@ -136,7 +136,9 @@ class PlyFile:
 
 
 def read_ply(data: bytes, limits: Limits) -> PointCloud:
-    """Return the vertices of a PLY file. Raises :class:`ReadError` for a header that lies, and :class:`LimitError`."""
+    """Return the vertices of a PLY file. Raises :class:`ReadError` for an inconsistent header, and
+    :class:`LimitError`.
+    """
     file = ply_file(data)
     vertices = file.element("vertex") or next((element for element in file.elements if _has_axes(element)), None)
     if vertices is None:
@@ -163,7 +165,7 @@ def _has_axes(element: Element) -> bool:
 
 
 def ply_file(data: bytes) -> PlyFile:
-    """Return a file with what its header says. Raises :class:`ReadError` for a header that is none of PLY."""
+    """Return a file with its parsed header. Raises :class:`ReadError` for a header that is not PLY."""
     end = END.search(data, 0, MOST_HEADER_BYTES)
     if end is None:
         raise ReadError("cloud.header", "The file ends before the line end_header of a PLY file.")
@@ -237,7 +239,7 @@ def _binary_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
 
 
 def _first_lengths(file: PlyFile, element: Element, at: int) -> dict[int, int] | None:
-    """Return the lengths of the lists of the first row; None where the file ends within it, or there is none."""
+    """Return the lengths of the lists in the first row; None if the file ends within it, or there is none."""
     lengths: dict[int, int] = {}
     for k, property_ in enumerate(element.properties if element.count else ()):
         size = np.dtype(property_.kind).itemsize
@@ -255,7 +257,7 @@ def _first_lengths(file: PlyFile, element: Element, at: int) -> dict[int, int] |
 
 
 def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep: bool) -> Rows:
-    """Go through rows whose lists differ in length, and take the numbers that are no lists out of them."""
+    """Process rows whose lists differ in length, and return their non-list numbers."""
     if element.count > min(MOST_UNEVEN, limits.max_points):
         raise LimitError(
             "cloud.too_many_lists",
@@ -272,7 +274,7 @@ def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
         )
         for property_ in element.properties
     ]
-    least = sum(length or size for length, size, _ in steps)  # bytes of a row
+    least = sum(length or size for length, size, _ in steps)  # size of a row
     starts = np.zeros((min(element.count, (size - at) // least), len(steps)), dtype=np.int64)
     n, end = 0, at
     while n < len(starts):
@@ -330,7 +332,7 @@ def _text_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep
 
 
 def _text_lists(text: bytes, element: Element, end: int, limits: Limits, first_line: int) -> Rows:
-    """Return the rows of an element that is one list: the lists only where all have one length."""
+    """Return the rows of an element that is a single list, with the lists only if they have one common length."""
     (property_,) = element.properties
     lengths = {line.split(None, 1)[0] for line in text.splitlines() if line.strip()}
     if len(lengths) != 1 or not (length := lengths.pop()).isdigit() or len(length) > 9:
@@ -365,10 +367,10 @@ def _without_lists(text: bytes, is_list: list[bool], first_line: int) -> Iterato
 
 
 def _line_count(data: bytes, at: int, element: Element) -> int:
-    """Return on how many lines the rows of an element stand: as many as it has rows, or fewer with several on each.
+    """Return the number of lines of an element's rows: one per row, or fewer with several rows on each.
 
-    Blanks and ends of lines are alike to rply, which Open3D reads PLY with. Where the lines go on as long behind the
-    last row, each is a row with more numbers than the header says.
+    Blanks and line ends are equivalent in rply, which Open3D uses to read PLY. If lines of the same length continue
+    after the last row, each line is a row with more numbers than stated in the header.
     """
     n, width = element.count, len(element.properties)
     if n < 2 or any(property_.length_kind is not None for property_ in element.properties):
@@ -383,10 +385,10 @@ def _line_count(data: bytes, at: int, element: Element) -> int:
 
 
 def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:
-    """Return ``n`` lines from a place on, fewer at the end of the file, and where they end: other elements follow.
+    """Return ``n`` lines from an offset on, fewer at the end of the file, and their end, where other elements follow.
 
-    Empty lines between them do not count. A byte-order mark before them, as of numbers pasted from another file, is
-    left out.
+    Empty lines in between are not counted. A byte-order mark at the start, as from numbers pasted from another file, is
+    removed.
     """
     lines = io.BytesIO(data)
     lines.seek(at + (len(BOM) if data.startswith(BOM, at) else 0))
@@ -396,11 +398,13 @@ def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:
     return b"".join(rows), lines.tell()
 
 
-NOT_TRIANGLES = "ply.not_triangles"  #: code of the error for faces that are no plain list of three vertices
+NOT_TRIANGLES = "ply.not_triangles"  #: code of the error for faces that are not plain lists of three vertices
 
 
 def has_faces(path: Path, limits: Limits = DEFAULT_LIMITS) -> bool:
-    """Return whether a file, plain or packed, begins as PLY and its header names faces. Raises :class:`ReadError`."""
+    """Return whether a file, plain or compressed, starts like PLY and its header has faces. Raises
+    :class:`ReadError`.
+    """
     head = b""
     with opened(path) as file:
         for piece in Unpacked(file, lambda: "at its beginning", limits):
@@ -412,7 +416,7 @@ def has_faces(path: Path, limits: Limits = DEFAULT_LIMITS) -> bool:
     try:
         faces = ply_file(head).element("face")
     except ReadError:
-        return False  # the reader of its points says what is wrong
+        return False  # the reader of its points reports the error
     return faces is not None and faces.count > 0
 
 
@@ -421,8 +425,8 @@ def read_ply_mesh(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, NDArray[np.int32]]:
     """Return the vertices (n, 3), their normals (n, 3) or None, and the triangles (m, 3) of a PLY file.
 
-    Raises :class:`ReadError` as :func:`mapper.io.clouds.ply.read_ply`, for a file that ends before its faces do, for
-    faces of other numbers of vertices (code :data:`NOT_TRIANGLES`) and of vertices that there are not.
+    Raises the :class:`ReadError` of :func:`mapper.io.clouds.ply.read_ply`, for a file that ends before its last face,
+    for faces that are not triangles (code :data:`NOT_TRIANGLES`) and for missing vertices.
     """
     data = content(path, limits)
     cloud = read_ply(data, limits)

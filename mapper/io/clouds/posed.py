@@ -1,4 +1,4 @@
-"""The clouds and depth images of a recording with the poses of their sensor, for maps in three dimensions."""
+"""Clouds and depth images of a recording with sensor poses, for 3D maps."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from mapper.io.logs.opening import parts_of
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 from mapper.sensors.streams import CloudStream, Mounts
 
-KNOTS = 128  #: poses within one sweep, between which the sensor is taken to stand still
+KNOTS = 128  #: poses within one sweep, between which the sensor is assumed at rest
 
 
 @dataclass(frozen=True, slots=True)
 class PosedClouds:
-    """The clouds of one topic along the recording's transforms; each iteration reads the recording.
+    """The clouds of one topic with poses from the recording's transforms; each iteration reads the recording.
 
-    Clouds at times of which the recording does not say where their frame was are left out. With ``deskew`` points that
-    state their times are put where they are seen from the sensor's pose at the cloud's stamp. With ``given`` the poses
-    are those that it returns, not those of the transforms. They are those of ``time_offset`` seconds after each stamp.
+    Clouds at times without a known pose of their frame are skipped. With ``deskew``, timed points are transformed to
+    the sensor's pose at the cloud's stamp. ``given`` returns poses to be used instead of the transforms. Poses are
+    looked up ``time_offset`` seconds after each stamp.
     """
 
     stream: CloudStream
@@ -52,10 +52,10 @@ class PosedClouds:
 
 
 def deskewed(cloud: PointCloud, poses: Mounts) -> PointCloud:
-    """Return a cloud with each point where it is seen from the frame's pose at the cloud's stamp.
+    """Return a cloud with each point relative to the frame's pose at the cloud's stamp.
 
-    ``poses`` returns ``T_fixed_frame`` at stamps. The times of the points are rounded to :data:`KNOTS` in the sweep.
-    A cloud without times, or at times of which the poses are not known, is returned as it is.
+    ``poses`` returns ``T_fixed_frame`` at stamps. The times of the points are rounded to :data:`KNOTS` per sweep. A
+    cloud without times, or at times without known poses, is returned unchanged.
     """
     if cloud.times is None or not len(cloud):
         return cloud
@@ -92,14 +92,14 @@ def open_posed_clouds(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> PosedClouds:
-    """Return the clouds of the recording at ``path`` along its transforms, those of ``topic``; else of the first topic.
+    """Return the clouds of the recording at ``path`` with poses, on ``topic`` or else on the first topic.
 
     A topic of depth images (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or a CompressedImage of them, with its
-    CameraInfo beside it) counts as one of clouds; without a name it is taken where there are no others. ``tf`` names
-    the topic of transforms where there are several, as a name behind ``topic`` does: ``/points#/tf_gt``. ``trajectory``
-    names the poses, as ``tf/map`` or ``odom``, and ``time_offset`` seconds are added to stamps to find them. ``given``
-    returns the poses, ``T_map_sensor`` (n, 4, 4), at stamps, in place of the transforms. Raises
-    :class:`ReadError` for a file that is no recording, has no clouds, or lacks a topic, and as
+    CameraInfo next to it) counts as a topic of clouds; by default it is used if there are no others. ``tf`` names the
+    topic of transforms if there are several, as does a suffix of ``topic``: ``/points#/tf_gt``. ``trajectory`` names
+    the poses, such as ``tf/map`` or ``odom``, and ``time_offset`` seconds are added to stamps to look them up.
+    ``given`` returns poses, ``T_map_sensor`` (n, 4, 4), at stamps, to be used instead of the transforms. Raises
+    :class:`ReadError` for a file that is not a recording, has no clouds, or lacks a topic, and the errors of
     :func:`mapper.io.clouds.open_clouds`.
     """
     files, kind = parts_of(Path(path), limits)
@@ -110,8 +110,8 @@ def open_posed_clouds(
         tf = named or tf
     streams = kind.streams(files, limits, progress, tf=tf, trajectory=trajectory)
     known = {**streams.clouds, **streams.depths}
-    # What an image's encoding is, only its messages tell; drivers name the topics of depths so. Beside an image's
-    # compressedDepth there may be a JPEG of it.
+    # The encoding of images is only known from their messages; drivers use such topic names for depth images. Next to
+    # an image's compressedDepth there may be a JPEG of it.
     depths = sorted(
         (name for name in streams.depths if "depth" in name.lower()), key=lambda n: n.endswith("/compressed")
     )

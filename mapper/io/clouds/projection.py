@@ -2,8 +2,8 @@
 
 Source: the LAS specification 1.4 (records 34735 … 34737 and 2112 of LASF_Projection); the GeoTIFF specification 1.8.2
 (keys 1024, 1026, 2048, 2054, 3072, 3073, 3076, 3077, 4096, 4099); OGC 01-009 and 18-010 (WKT of both versions); the
-EPSG dataset for systems that files name without their units. Only units are read: no coordinates are transformed from
-one system to another, for which pyproj and its database would be needed.
+EPSG dataset for systems that files name without units. Only units are read: coordinates are not transformed between
+systems, which would require pyproj and its database.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from mapper.io.clouds.epsg_units import HORIZONTAL, UNITS, VERTICAL
 from mapper.io.logs.names import printable
 
 USER = "LASF_Projection"
-GEO_KEYS, GEO_DOUBLES, GEO_TEXT, WKT = 34735, 34736, 34737, 2112  #: numbers of records
-#: Linear units by their numbers in the EPSG dataset.
+GEO_KEYS, GEO_DOUBLES, GEO_TEXT, WKT = 34735, 34736, 34737, 2112  #: record ids
+#: Linear units by their EPSG codes.
 LINEAR = {**UNITS, 9004: ("modified American foot", 0.30481225298), 9093: ("statute mile", 1609.344),
           9096: ("yard", 0.9144)}  # fmt: skip
 ANGULAR = {9101: ("radian", 1.0), 9102: ("degree", math.pi / 180.0), 9105: ("grad", math.pi / 200.0)}
 _MODEL, _TITLE, _GEOGRAPHIC, _ANGULAR, _PROJECTED, _NAME = 1024, 1026, 2048, 2054, 3072, 3073
 _LINEAR, _LINEAR_SIZE, _UPRIGHT, _VERTICAL = 3076, 3077, 4096, 4099
 _MODELS = {1: "projected", 2: "geographic", 3: "geocentric"}
-#: Words for a unit in a system's title, as "NAD83 / Oregon North (ft)", the more special one first.
+#: Words for a unit in a system's title, such as "NAD83 / Oregon North (ft)", the more specific one first.
 _IN_TITLES = (
     (re.compile(r"ftUS|us[- _]?ft\b|survey f(oo|ee)t", re.IGNORECASE), 9003),
     (re.compile(r"\(ft\)|\bf(oo|ee)t\b|\bift\b", re.IGNORECASE), 9002),
@@ -40,9 +40,9 @@ MOST_LEVELS = 40
 class Units:
     """Units of coordinates. ``model`` is projected, geographic (longitude, latitude) or geocentric.
 
-    ``horizontal`` and ``vertical`` are a unit's name and its metres; of a geographic system the first is degrees, or an
-    angle's radians. ``vertical`` is None where it is not stated. ``unstated`` is the EPSG number of a projection whose
-    record does not state its unit, and of which it is not known.
+    ``horizontal`` and ``vertical`` are a unit's name and its size in metres; for a geographic system the first is
+    degrees, or an angle's radians. ``vertical`` is None if not stated. ``unstated`` is the EPSG code of a projection
+    whose record does not state its unit, which is therefore unknown.
     """
 
     model: str
@@ -52,9 +52,9 @@ class Units:
 
 
 def units_of(records: Mapping[int, bytes]) -> Units | None:
-    """Return the units in the records of LASF_Projection by their numbers; None where they state none.
+    """Return the units in the records of LASF_Projection, by record id; None if they state none.
 
-    Text (WKT) counts before keys of GeoTIFF, as LAS 1.4 has it.
+    Text (WKT) takes precedence over GeoTIFF keys, as in LAS 1.4.
     """
     units = None
     if WKT in records:
@@ -101,7 +101,7 @@ def _of_keys(data: bytes, doubles: bytes, text: bytes) -> Units | None:
 
 
 def _of_epsg(table: Mapping[int, str], *numbers: int) -> tuple[str, float] | None:
-    """Return the unit of the first of some systems of the EPSG dataset that a table has; None where it has none."""
+    """Return the unit of the first of some EPSG systems that a table contains; None if there is none."""
     for number in numbers:
         for unit, spans in table.items():
             for first, _, last in (span.partition("-") for span in spans.split()):
@@ -112,7 +112,7 @@ def _of_epsg(table: Mapping[int, str], *numbers: int) -> tuple[str, float] | Non
 
 @dataclass(frozen=True, slots=True)
 class _Node:
-    """A keyword of WKT with what stands in its brackets."""
+    """A keyword of WKT with the contents of its brackets."""
 
     name: str
     values: tuple[str, ...]
@@ -152,21 +152,21 @@ def _of_wkt(text: str) -> Units | None:
 
 
 def _number(node: _Node) -> int:
-    """Return the number of a system in the EPSG dataset; 0 where it states none."""
+    """Return the EPSG code of a system; 0 if not stated."""
     stated = next((child for child in node.inner if child.name in ("AUTHORITY", "ID")), None)
     number = stated.values[1] if stated is not None and stated.values[:1] == ("EPSG",) and stated.values[1:] else ""
     return int(number) if number.isdecimal() and len(number) < 9 else 0
 
 
 def _unit_upwards(node: _Node | None) -> tuple[str, float] | None:
-    """Return the unit of the axis of a system that points upward, of a system of three axes; None where it has none."""
+    """Return the unit of the upward axis of a system with three axes; None if it has none."""
     axes = [] if node is None else [child for child in node.inner if child.name == "AXIS"]
     upward = next((axis for axis in axes if "up" in (value.lower() for value in axis.values)), None)
     return None if upward is None else _unit(upward, _LENGTHS)
 
 
 def _unit(node: _Node, names: tuple[str, ...]) -> tuple[str, float] | None:
-    """Return the unit of a coordinate system: of its own, or of its first axis."""
+    """Return the unit of a coordinate system: its own, or that of its first axis."""
     own = [child for child in node.inner if child.name in names]
     of_axes = [inner for axis in node.inner if axis.name == "AXIS" for inner in axis.inner if inner.name in names]
     for unit in (*own, *of_axes):
@@ -180,7 +180,7 @@ def _unit(node: _Node, names: tuple[str, ...]) -> tuple[str, float] | None:
 
 
 def _parsed(text: str) -> list[_Node]:
-    """Return the keywords of a WKT with all below them; ESRI's has a vertical system beside the other, not below it."""
+    """Return the keywords of a WKT as a tree; in ESRI's the vertical system is next to the other one, not below it."""
     tokens = list(_TOKEN.finditer(text))
     place = 0
 

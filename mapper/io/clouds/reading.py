@@ -1,4 +1,4 @@
-"""A cloud's format recognised from its first bytes, and its reader called; the clouds of a recording."""
+"""Detection of a cloud's format from its first bytes, reading of cloud files, and clouds of recordings."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from mapper.sensors.streams import CloudStream
 
 Reader = Callable[[bytes, Limits], PointCloud]
 
-#: name of the format → what tells a file's first bytes from other ones, and its reader
+#: name of the format → test of a file's first bytes, and reader
 FORMATS: dict[str, tuple[Callable[[bytes], bool], Reader]] = {
     "PLY": (lambda head: head.startswith((b"ply\n", b"ply\r\n", b"ply ")), read_ply),
     "VTK": (lambda head: head.startswith(b"# vtk DataFile"), read_vtk),
@@ -36,11 +36,11 @@ FORMATS: dict[str, tuple[Callable[[bytes], bool], Reader]] = {
     "PCD": (looks_like_pcd, read_pcd),
 }
 HEADERLESS = "KITTI or nuScenes"  #: points without a header
-TEXT = "text"  #: XYZ, PTS and CSV, which no first bytes tell
+TEXT = "text"  #: XYZ, PTS and CSV, which have no distinctive first bytes
 
 
 def cloud_format(head: bytes) -> str | None:
-    """Return the name of the format of a file that begins with ``head``, unpacked; None where it is no cloud's."""
+    """Return the format name of a file that starts with ``head``, decompressed; None if it is not a cloud."""
     if looks_like_kitti(head):
         return HEADERLESS
     head = plain_text(head)
@@ -51,7 +51,7 @@ def cloud_format(head: bytes) -> str | None:
 
 
 def format_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> str | None:
-    """Return :func:`cloud_format` of a file, plain or packed. Raises :class:`ReadError` where it cannot be read."""
+    """Return :func:`cloud_format` of a file, plain or compressed. Raises :class:`ReadError` if it cannot be read."""
     with opened(path) as file:
         pieces = Unpacked(file, lambda: "at its beginning", limits)
         return cloud_format(next(iter(pieces), b"")[:HEAD_BYTES])
@@ -60,11 +60,11 @@ def format_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> str | None:
 def read_cloud(
     path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
 ) -> PointCloud:
-    """Return the points of the file at ``path``, plain or packed with gzip or Zstandard, float64, in the file's order.
+    """Return the points of the file at ``path``, plain or compressed with gzip or Zstandard, float64, in file order.
 
-    PCD, PLY, legacy VTK, LAS, LAZ, text (XYZ, PTS, CSV), points of KITTI and nuScenes (.bin), or OctoMap's scan graph,
-    whose scans are joined in the map's frame. Points that are not finite stay where they are, so that rows agree with
-    the file's. Raises :class:`ReadError`, saying what is wrong and where, and :class:`LimitError`.
+    Supported are PCD, PLY, legacy VTK, LAS, LAZ, text (XYZ, PTS, CSV), points of KITTI and nuScenes (.bin), and
+    OctoMap's scan graph, whose scans are joined in the map's frame. Non-finite points are kept, so that rows match the
+    file's. Raises :class:`ReadError`, saying what is wrong and where, and :class:`LimitError`.
     """
 
     def known(head: bytes) -> str:
@@ -92,9 +92,9 @@ def read_cloud(
 def read_scan_graph(
     path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
 ) -> Iterator[PosedCloud]:
-    """Yield the scans of OctoMap's scan graph at ``path``, binary or text, plain or packed, each with its pose.
+    """Yield the scans of OctoMap's scan graph at ``path``, binary or text, plain or compressed, each with its pose.
 
-    Raises as :func:`read_cloud`.
+    Raises the errors of :func:`read_cloud`.
     """
     data = content(Path(path), limits, progress)
     if cloud_format(data[:HEAD_BYTES]) != "scan graph" and not data.lstrip().startswith(b"#"):
@@ -126,9 +126,9 @@ def open_clouds(
 ) -> Mapping[str, CloudStream]:
     """Return the clouds (sensor_msgs/PointCloud2) of the recording at ``path`` by topic.
 
-    The recording is read once for its transforms, by which each stream says where a cloud's frame was on the robot; the
-    clouds themselves are read when a stream is iterated. Raises :class:`ReadError` for a file that is no recording or
-    has no clouds, and as :func:`mapper.io.logs.open_log`.
+    The recording is read once for its transforms, from which each stream computes the pose of a cloud's frame on the
+    robot; the clouds themselves are read when a stream is iterated. Raises :class:`ReadError` for a file that is not a
+    recording or has no clouds, and the errors of :func:`mapper.io.logs.open_log`.
     """
     files, kind = parts_of(Path(path), limits)
     clouds = kind.streams(files, limits, progress).clouds if isinstance(kind, Container) else {}

@@ -1,9 +1,8 @@
-"""Point clouds as text: XYZ, PTS and CSV, with a line of names or without one.
+"""Point clouds as text: XYZ, PTS and CSV, with or without a line of names.
 
-Names are those of libpointmatcher and CloudCompare: x, y, z, nx, ny, nz, intensity, r, g, b, and what else
-:func:`columns_of` knows. Without names the columns are x, y, z and what programs usually write
-next: an intensity, a normal (of length 1), a colour, in several orders. A PTS file may hold several scans, each
-after the number of its points.
+Names are those of libpointmatcher and CloudCompare: x, y, z, nx, ny, nz, intensity, r, g, b, and others known to
+:func:`columns_of`. Without names the columns are x, y, z and what programs usually write next: an intensity, a normal
+(of length 1), a colour, in several orders. A PTS file may contain several scans, each after its number of points.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ FOOT, US_FOOT = 0.3048, 1200.0 / 3937.0  #: metres
 AXES = ("x", "y", "z")
 _HEIGHTS = ("z", "elevation", "elev", "height", "altitude", "alt", "h", "up", "u", "z1", "höhe", "hoehe")
 DEGREES = (("longitude", "latitude"), ("lon", "lat"), ("long", "lat"), ("lng", "lat"))
-#: Names, in lower case and without units, of the first two axes; with each of them z may have each name of a height.
+#: Names, in lower case and without units, of the first two axes; z may have any name of a height.
 _PLANES = (
     ("x", "y"), ("easting", "northing"), ("east", "north"), ("e", "n"), ("utm_x", "utm_y"), ("x1", "y1"),
     ("rechtswert", "hochwert"), ("ost", "nord"), *DEGREES,
@@ -59,7 +58,7 @@ WANTED = "x, y, z; easting, northing, elevation; or longitude, latitude, altitud
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """The numbers of the columns of x, y and z, and metres for one of their units; of degrees ``in_degrees``."""
+    """The indices of the columns of x, y and z, and the metres per unit; ``in_degrees`` for degrees."""
 
     axes: tuple[int, int, int]
     metres: tuple[float, float, float]
@@ -68,7 +67,7 @@ class Columns:
 
 
 def columns_of(names: Sequence[str]) -> Columns | None:
-    """Return which columns are x, y and z, by their names; None where no three of them are."""
+    """Return which columns are x, y and z, by their names; None if there are no such three."""
     split = [_split(name) for name in names]
     plain = [name for name, _ in split]
     columns = None
@@ -92,7 +91,7 @@ def columns_of(names: Sequence[str]) -> Columns | None:
 
 
 def _split(name: str) -> tuple[str, str | None]:
-    """Return a name in lower case with _ for blanks, without its unit, and the unit, where it is one that is known."""
+    """Return a name in lower case with _ for blanks, without its unit, and the unit, if it is known."""
     lower = name.strip()[:LONGEST_NAME].lower()
     for form in (_BRACKETS, _SUFFIX):
         match = form.match(lower)
@@ -102,7 +101,7 @@ def _split(name: str) -> tuple[str, str | None]:
 
 
 MOST_LINE_BYTES = 1 << 14
-LEAST_COUNTED = 10  #: lines that tell that their first numbers count them
+LEAST_COUNTED = 10  #: lines needed to recognise their first numbers as line counts
 COUNTED = ("The first column counts the points, so the next three are x, y, z here.",)
 COLOURS, NORMALS = ("r", "g", "b"), ("nx", "ny", "nz")
 _COUNT = re.compile(rb"^[ \t]*(\d{1,18})[ \t]*\r?$", re.MULTILINE)
@@ -110,16 +109,16 @@ _ANY_NUMBERS = re.compile(rb"(?=[^\d]*\d)[-+.,;|\s\deE]+")
 _SIGNS = {"\u2212".encode(): b"-", "\u00a0".encode(): b" ", "\u202f".encode(): b" "}
 _LETTER = re.compile(r"[^\W\d_]")
 _NAME_SEPARATORS = (",", ";", "|", "\t")
-LONGEST_NAME = 200  #: characters of a column's name that are looked at: the patterns of units take quadratic time
-MOST_LINES_BEFORE = 40  #: the names of the columns
+LONGEST_NAME = 200  #: examined characters of a column's name, because the patterns of units take quadratic time
+MOST_LINES_BEFORE = 40  #: before the names of the columns
 
 
 @dataclass(frozen=True, slots=True)
 class _Beginning:
-    """What stands before the numbers: ``names`` of the columns, how many points there are.
+    """What precedes the numbers: ``names`` of the columns, number of points.
 
-    ``at`` and ``line`` are the byte and the number of the first line of numbers. ``others`` are lines before the names
-    that are neither remarks nor numbers.
+    ``at`` and ``line`` are the byte offset and the number of the first line of numbers. ``others`` are lines before the
+    names that are neither comments nor numbers.
     """
 
     at: int
@@ -132,7 +131,7 @@ class _Beginning:
 def names_of(line: bytes) -> tuple[str, ...] | None:
     """Return the names of the columns in a line; None for a line with a number.
 
-    They stand between commas, semicolons or tabs where it has one, else between blanks; a unit in brackets is a part of
+    They are separated by commas, semicolons or tabs if the line has one, else by blanks; a unit in brackets is part of
     the name before it.
     """
     try:
@@ -154,9 +153,9 @@ def names_of(line: bytes) -> tuple[str, ...] | None:
 
 
 def looks_like_text(data: bytes) -> bool:
-    """Return whether a file that begins with ``data`` is a cloud as text: names with x, y, z, or a line of numbers.
+    """Return whether a file that starts with ``data`` is a cloud as text: names with x, y, z, or a line of numbers.
 
-    Numbers below other names count as well, so that the reader says which names it wants.
+    Numbers below other names also count, so that the reader can report the required names.
     """
     data = _tidied(data[:MOST_LINE_BYTES])
     begin = _beginning(data)
@@ -201,9 +200,9 @@ def _beginning(data: bytes) -> _Beginning:
 
 
 def _lines_before_names(data: bytes) -> int:
-    """Return how many lines of other things, none of numbers, stand before one that names columns of x, y and z.
+    """Return the number of lines of other content, without numbers, before one that names columns of x, y and z.
 
-    0 where there are numbers first, only remarks and counts, or no such names.
+    0 if numbers come first, there are only comments and counts, or no such names.
     """
     others = False
     for k, line in enumerate(data[: 4 * MOST_LINE_BYTES].split(b"\n")[:MOST_LINES_BEFORE]):
@@ -218,7 +217,9 @@ def _lines_before_names(data: bytes) -> int:
 
 
 def _tidied(data: bytes) -> bytes:
-    """Return a text without what some programs end it with, and with the plain minus and blank for similar signs."""
+    """Return a text without the trailing content of some programs, and with similar signs replaced by minus and
+    blank.
+    """
     if data.endswith((b"\0", b"\x1a")):
         data = data.rstrip(b"\0\x1a")
     for sign, plain in _SIGNS.items():
@@ -228,12 +229,12 @@ def _tidied(data: bytes) -> bytes:
 
 
 def _is_rule(line: bytes) -> bool:
-    """Return whether a line below names is drawn there, as psql and Markdown do, and holds nothing."""
+    """Return whether a line below names is a rule, as drawn by psql and Markdown."""
     return b"--" in line and not line.strip(b"-:|+ \t\r")
 
 
 def _are_units(words: Sequence[str]) -> bool:
-    """Return whether words are units of lengths and angles, as some programs write them below the names of columns."""
+    """Return whether words are units of lengths and angles, as some programs write them below the column names."""
     return all(word.strip("()[] ").lower() in _UNITS for word in words)
 
 
@@ -268,7 +269,7 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
         names = ("number", *_usual_names(rows[:, 1:])) if counted else tuple(_usual_names(rows))
         first = int(counted)
         columns = Columns((first, first + 1, first + 2), (1.0, 1.0, 1.0), in_degrees=False, notes=COUNTED * first)
-    elif len(names) + 1 == rows.shape[1] and _count_up(rows[:, 0]):  # as R writes a table: its first column has no name
+    elif len(names) + 1 == rows.shape[1] and _count_up(rows[:, 0]):  # R leaves out the name of a table's first column
         names = ("", *names)
         columns = replace(columns, axes=(columns.axes[0] + 1, columns.axes[1] + 1, columns.axes[2] + 1))
     elif len(names) != rows.shape[1]:
@@ -324,7 +325,7 @@ def _rows(
 
 
 def _scans(text: bytes, first: int) -> Iterator[tuple[int, bytes]]:
-    """Yield the number of points and the lines of each scan; ``first`` is the number of the first one's points."""
+    """Yield the number of points and the lines of each scan; ``first`` is the number of points of the first scan."""
     at, n = 0, first
     for match in _COUNT.finditer(text):
         yield n, text[at : match.start()]
@@ -333,7 +334,7 @@ def _scans(text: bytes, first: int) -> Iterator[tuple[int, bytes]]:
 
 
 def _whole_lines(text: bytes) -> bytes:
-    """Return a text without its last line where the file ends within it: it has fewer numbers than the first one."""
+    """Return a text without an incomplete last line, which has fewer numbers than the first one."""
     last = text.rfind(b"\n") + 1
     if last == 0 or last == len(text):
         return text
@@ -342,7 +343,7 @@ def _whole_lines(text: bytes) -> bytes:
 
 
 def _first_lines(text: bytes) -> list[bytes]:
-    """Return the first whole lines of a text."""
+    """Return the first complete lines of a text."""
     lines = text[: SAMPLE_LINES * 256].split(b"\n")
     return lines[: -1 if len(lines) > 1 else None][:SAMPLE_LINES]
 
@@ -350,7 +351,7 @@ def _first_lines(text: bytes) -> list[bytes]:
 def _refuse_matrix(rows: NDArray[np.float64]) -> None:
     """Raise :class:`ReadError` for the matrix of a camera's intrinsics (3, 3) or of a pose (4, 4).
 
-    Folders of depth images have files of both, whose lines could be points.
+    Folders of depth images have files of both, whose lines look like points.
     """
     size = len(rows)
     if rows.shape != (size, size) or size not in (3, 4) or rows[-1].tolist() != [0.0] * (size - 1) + [1.0]:
@@ -369,7 +370,7 @@ def _refuse_matrix(rows: NDArray[np.float64]) -> None:
 
 
 def _are_numbers_of_points(rows: NDArray[np.float64]) -> bool:
-    """Return whether the first of four columns or more counts the lines, by ones, and others are no whole numbers."""
+    """Return whether the first of at least four columns counts the lines, and others are not integers."""
     n, width = rows.shape
     if n < LEAST_COUNTED or width <= len(AXES) or not _count_up(rows[:, 0]):
         return False
@@ -382,7 +383,7 @@ def _count_up(column: NDArray[np.float64]) -> bool:
 
 
 def _steps(lines: Sequence[bytes], layout: Layout, columns: Columns) -> tuple[float, float, float]:
-    """Return the steps in which x, y and z are written, by their decimals; infinite for one that has exponents."""
+    """Return the resolutions of x, y and z, from their decimals; infinite for one with exponents."""
     decimals = [0.0, 0.0, 0.0]
     for words in (layout.plain(line).split() for line in lines):
         for k, axis in enumerate(columns.axes):
@@ -395,9 +396,9 @@ def _steps(lines: Sequence[bytes], layout: Layout, columns: Columns) -> tuple[fl
 
 
 def _look_like_degrees(points: NDArray[np.float64], steps: Sequence[float]) -> bool:
-    """Return whether coordinates of which nothing is said are longitude, latitude and a height in metres.
+    """Return whether coordinates without stated units are longitude, latitude and a height in metres.
 
-    They have steps of such, and the heights, in metres, extend more than ten times as far as the degrees.
+    They have such resolutions, and the range of the heights, in metres, is more than ten times that of the degrees.
     """
     known = points[np.isfinite(points).all(axis=1)]
     if not have_steps_of_degrees(known, steps):
@@ -407,7 +408,7 @@ def _look_like_degrees(points: NDArray[np.float64], steps: Sequence[float]) -> b
 
 
 def _usual_names(rows: NDArray[np.float64]) -> list[str]:
-    """Return the names of columns that have none: what programs usually write after x, y and z, if it may be that."""
+    """Return names for unnamed columns: those that programs usually write after x, y and z, if they fit."""
     more = rows[:, 3:]
     for names in _USUAL:
         if len(names) == more.shape[1] and all(
@@ -427,7 +428,7 @@ _USUAL = (
 
 
 def _are_colours(columns: NDArray[np.float64]) -> bool:
-    """Return whether three columns are whole numbers of one byte, or shares of 1."""
+    """Return whether three columns are integers of one byte, or fractions of 1."""
     if not ((columns >= 0.0) & (columns <= 255.0)).all():
         return False
     most = columns.max(initial=0.0)
@@ -435,7 +436,7 @@ def _are_colours(columns: NDArray[np.float64]) -> bool:
 
 
 def _are_normals(columns: NDArray[np.float64]) -> bool:
-    """Return whether three columns are vectors of length 1, or 0 where there is none."""
+    """Return whether three columns are vectors of length 1, or 0 for none."""
     length = np.linalg.norm(columns, axis=1)
     return bool(((np.abs(length - 1.0) < 0.02) | (length == 0.0) | np.isnan(length)).all() and length.any())
 

@@ -1,4 +1,4 @@
-"""How numbers stand in the lines of a text: what separates them, and whether their decimals follow a comma."""
+"""Layout of numbers in the lines of a text: separator, and decimal points or commas."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from mapper.core.errors import ReadError
 from mapper.io.clouds.numbers import as_python_writes
 
-SAMPLE_LINES = 500  #: from which the layout is told
+SAMPLE_LINES = 500  #: lines from which the layout is determined
 _DECIMAL = re.compile(rb"[-+]?(?:\d+(?:,\d+)?|,\d+)(?:[dDeE][-+]?\d+)?|[-+]?(?:nan|inf|1[.,]#\w+)", re.IGNORECASE)
 _WITH_BOTH = re.compile(rb"[-+]?\d{1,3}(?:,\d{3})+\.\d+|[-+]?\d{1,3}(?:\.\d{3})+,\d+")
 _THOUSANDS = re.compile(rb"[-+]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
-_GROUPS = re.compile(rb"[-+]?\d{1,3}(?:(?: \d{3})+|(?:'\d{3})+|(?:[,.]\d{3}){2,})(?:[,.]\d*)?")  #: thousands otherwise
+_GROUPS = re.compile(rb"[-+]?\d{1,3}(?:(?: \d{3})+|(?:'\d{3})+|(?:[,.]\d{3}){2,})(?:[,.]\d*)?")  #: other thousands
 _BELOW_1000 = re.compile(rb"[-+]?\d{1,3}")
-_REMARK = re.compile(rb"[ \t]#.*")  #: what follows a number at once may be ``1.#INF``
-SEPARATORS = (b";", b"|", b"\t")  #: which stand in no number
+_REMARK = re.compile(rb"[ \t]#.*")  #: ``1.#INF`` directly follows a number
+SEPARATORS = (b";", b"|", b"\t")  #: do not occur in numbers
 _QUOTED = re.compile(rb'"([^"\n]*)"')
 _DIGITS = re.compile(rb"\d+")
 _INTEGER = re.compile(rb"[-+]?\d+")
@@ -24,10 +24,10 @@ _INTEGER = re.compile(rb"[-+]?\d+")
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """``separator`` stands between numbers: ``,``, ``;``, ``|``, a tab, or a blank for any number of blanks.
+    """``separator`` separates numbers: ``,``, ``;``, ``|``, a tab, or a blank for any number of blanks.
 
-    ``decimal_commas`` says that a comma within a number is its decimal point. ``quoted`` says that numbers are quoted.
-    ``words`` are the numbers of columns that hold something else. ``is_closed`` says that each line ends in a
+    ``decimal_commas`` means that a comma within a number is its decimal point. ``quoted`` means that numbers are
+    quoted. ``words`` are the indices of columns with other content. ``is_closed`` means that each line ends in a
     separator, after which there is no field.
     """
 
@@ -38,9 +38,9 @@ class Layout:
     is_closed: bool = False
 
     def plain(self, text: bytes) -> bytes:
-        """Return lines of numbers with blanks between them and points for decimals.
+        """Return lines of numbers separated by blanks with decimal points.
 
-        An empty field is ``nan``, and each of a column of :attr:`words`.
+        Empty fields, and the columns in :attr:`words`, become ``nan``.
         """
         if self.quoted:
             text = _unquoted(text)
@@ -65,7 +65,7 @@ class Layout:
         return text
 
     def numbers(self, line: bytes) -> list[float] | None:
-        """Return the numbers of one line; None where something in it is none."""
+        """Return the numbers of one line; None if any field is not a number."""
         try:
             return [float(word) for word in as_python_writes(self.plain(_REMARK.sub(b"", line))).split()]
         except ValueError:
@@ -73,9 +73,9 @@ class Layout:
 
 
 def layout_of(lines: Sequence[bytes]) -> Layout:
-    """Return how numbers stand in lines that have nothing else, at most :data:`SAMPLE_LINES` of which are looked at.
+    """Return the layout of lines of numbers only, from at most :data:`SAMPLE_LINES` of them.
 
-    Raises :class:`ReadError` where commas stand between the numbers and within them, and for separators of thousands.
+    Raises :class:`ReadError` if commas are used both between and within the numbers, and for thousands separators.
     """
     sample = [
         line for line in (_REMARK.sub(b"", line).strip(b" \r\n") for line in lines[:SAMPLE_LINES]) if line.strip()
@@ -131,10 +131,10 @@ def _is_closed(lines: Sequence[bytes], separator: str) -> bool:
 
 
 def _refuse_thousands(rows: Sequence[Sequence[bytes]]) -> None:
-    """Raise :class:`ReadError` for fields (rows, columns) with separators of thousands.
+    """Raise :class:`ReadError` for fields (rows, columns) with thousands separators.
 
-    A comma before three digits is one where the numbers below 1000 of the same column have none: of decimals, whose
-    last zeros are left out, some have fewer digits.
+    A comma before three digits is one if the numbers below 1000 in the same column have none; among decimals without
+    trailing zeros, some have fewer digits.
     """
     if any(_WITH_BOTH.fullmatch(field) or _GROUPS.fullmatch(field) for row in rows for field in row):
         raise _thousands()
@@ -146,9 +146,9 @@ def _refuse_thousands(rows: Sequence[Sequence[bytes]]) -> None:
 
 
 def columns_of_words(lines: Sequence[bytes], layout: Layout) -> tuple[int, ...]:
-    """Return the numbers of the columns in which not all fields are numbers, or empty; none between blanks.
+    """Return the indices of the columns with fields that are neither numbers nor empty; none if separated by blanks.
 
-    At most :data:`SAMPLE_LINES` are looked at.
+    At most :data:`SAMPLE_LINES` are examined.
     """
     chosen: set[int] = set()
     if layout.separator == " ":
@@ -178,10 +178,10 @@ def _decimal_commas(what: str) -> ReadError:
 
 
 def _is_cut_by_commas(rows: Sequence[Sequence[bytes]]) -> bool:
-    """Return whether the fields between commas are whole numbers and decimals in turn: ``0,047,1,802,-1,423``.
+    """Return whether the fields between commas are alternating integers and decimals: ``0,047,1,802,-1,423``.
 
-    Of three numbers there are six fields or more, every second of which has no sign. They are decimals where one has
-    zeros before it or the field before it is -0, as no whole number is written, or where all have as many digits.
+    Three numbers have at least six fields, every second of which has no sign. They are decimals if one has leading
+    zeros or follows -0, which integers never do, or if all have the same number of digits.
     """
     if not rows or any(len(row) < 6 or len(row) != len(rows[0]) for row in rows):
         return False

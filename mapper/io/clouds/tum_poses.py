@@ -1,4 +1,4 @@
-"""The depth images of a folder of the TUM RGB-D benchmark, with the poses between those of its ground truth."""
+"""Depth images of a TUM RGB-D benchmark folder, with poses interpolated from its ground truth."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from mapper.io.trajectories.lines import stamp_ns
 from mapper.io.trajectories.tum import tum_rows
 
 POSES = ("groundtruth.txt", "poses.txt", "trajectory.txt")
-FARTHEST_NS = 100_000_000  #: between an image and the nearest pose: beyond, the pose is not known
+FARTHEST_NS = 100_000_000  #: maximum time from an image to the nearest pose
 
 
 def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDArray[np.float64]]], list[str]]:
     """Return each image of ``depth.txt`` with its stamp, ns, and ``T_map_camera`` (4, 4), and notes.
 
-    Poses are interpolated between those before and after an image, linear in position and along the shortest turn.
-    Raises :class:`ReadError` for invalid lines, and for a folder without images or without poses for them.
+    Poses are interpolated between those before and after an image, linearly in position and along the shortest
+    rotation. Raises :class:`ReadError` for invalid lines, and for a folder without images or without poses for them.
     """
     images = _images(folder, limits)
     poses = next((folder / name for name in POSES if (folder / name).is_file()), None)
@@ -56,9 +56,9 @@ def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDAr
 def poses_between(
     stamps: NDArray[np.int64], values: NDArray[np.float64], times: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return poses (m, 4, 4) at stamps ``times`` (m,), ns, between those of ``values`` (n, 7) at ascending ``stamps``.
+    """Interpolate poses (m, 4, 4) at stamps ``times`` (m,), ns, from ``values`` (n, 7) at ascending ``stamps``.
 
-    Positions are interpolated linearly, rotations along the shortest turn; ``values`` are as :func:`tum_rows` has them.
+    Positions are interpolated linearly, rotations along the shortest arc; ``values`` are as in :func:`tum_rows`.
     """
     from scipy.spatial.transform import Rotation, Slerp  # noqa: PLC0415 # 0.2 s, only for folders of this kind
 

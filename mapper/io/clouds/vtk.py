@@ -1,8 +1,8 @@
-"""Point clouds in VTK's legacy format, ascii or binary, as libpointmatcher writes them.
+"""Point clouds in VTK's legacy format, ascii or binary, as written by libpointmatcher.
 
 Source: "VTK File Formats" (legacy), and PointMatcherIO of libpointmatcher: the points of a POLYDATA or an
-UNSTRUCTURED_GRID, and what POINT_DATA states of them. A 64-bit time is kept in two columns of 32 bits there,
-``NAME_splitTime_high32`` and ``NAME_splitTime_low32``, nanoseconds.
+UNSTRUCTURED_GRID, and their POINT_DATA. A 64-bit time is stored in two columns of 32 bits, ``NAME_splitTime_high32``
+and ``NAME_splitTime_low32``, nanoseconds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
 
 MOST_LINE_BYTES = 1 << 12
-MOST_COUNT = 1 << 48  #: so that products of counts stay whole numbers of 64 bits
+MOST_COUNT = 1 << 48  #: so that products of counts fit into 64-bit integers
 TYPES = {
     "bit": "u1", "char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2", "int": "i4",
     "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8", "float": "f4", "double": "f8", "vtkIdType": "i8",
@@ -29,12 +29,12 @@ TYPES = {
 }  # fmt: skip
 CELLS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS")
 HIGH, LOW = "_splitTime_high32", "_splitTime_low32"
-#: A line that begins with a letter, except a number that is written nan or inf.
+#: A line that starts with a letter, except the numbers nan and inf.
 KEYWORD = re.compile(rb"\n[ \t]*(?!(?:nan|inf)\b)[A-Za-z_]", re.IGNORECASE)
 
 
 def read_vtk(data: bytes, limits: Limits) -> PointCloud:
-    """Return the points of a legacy VTK file and what it states of each. Raises :class:`ReadError`."""
+    """Return the points of a legacy VTK file and their fields. Raises :class:`ReadError`."""
     reader = _Reader(data, limits)
     reader.read()
     columns = dict(reader.columns)
@@ -47,7 +47,7 @@ def read_vtk(data: bytes, limits: Limits) -> PointCloud:
 
 
 class _Reader:
-    """Goes through the file section by section."""
+    """Processes the file section by section."""
 
     def __init__(self, data: bytes, limits: Limits) -> None:
         self._data, self._limits = data, limits
@@ -183,19 +183,19 @@ class _Reader:
 
 
 def _as_type(values: NDArray[np.float64], code: str, what: str) -> NDArray[Any]:
-    """Return the numbers of a text as the type that the file states: what a float32 cannot hold becomes infinite."""
+    """Convert the numbers of a text to the type stated by the file; overflow in float32 becomes infinite."""
     if code[0] == "f":
         with np.errstate(over="ignore"):
             return values.astype(code)
     limits = np.iinfo(code)
-    if not ((values >= limits.min) & (values < limits.max + 1)).all():  # NaN is neither
+    if not ((values >= limits.min) & (values < limits.max + 1)).all():  # also rejects NaN
         raise ReadError("cloud.damaged", f"{printable(what[:40])} has a number that does not fit its type.")
     return values.astype(code)
 
 
 def _parsed(block: bytes, what: str) -> NDArray[np.float64]:
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # how NumPy says that the text is none
+        warnings.simplefilter("error", DeprecationWarning)  # NumPy's report of invalid text
         try:
             return np.fromstring(block.decode("latin-1"), dtype=np.float64, sep=" ")
         except (DeprecationWarning, ValueError) as error:

@@ -1,1 +1,1 @@
-"""Contents of a recording besides the scans of its map: topics, transforms over time, and series for plots."""
+"""Contents of a recording other than the scans for a map: topics, transforms over time, and series for plots."""

@@ -1,7 +1,7 @@
-"""One message of a ROS 1 bag by the index at its end: a chunk and what is behind it are read, nothing else.
+"""Look-up of one message in a ROS 1 bag through its index: only a chunk and the records after it are read.
 
-Source: wiki.ros.org/Bags/Format/2.0. The end has a record for each connection and each chunk; behind a chunk is a
-record for each of its connections, with the time of each message and where in the chunk's data it is.
+Source: wiki.ros.org/Bags/Format/2.0. The end of the file has a record for each connection and each chunk. A chunk is
+followed by a record for each of its connections, with the time of each message and its offset in the chunk's data.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _COUNT = np.dtype([("connection", "<u4"), ("count", "<u4")])
 
 @dataclass(frozen=True, slots=True)
 class IndexedMessage:
-    """A message of a bag: when it was recorded, its type, and its bytes."""
+    """A message of a bag: its recording time, type, and bytes."""
 
     stamp_ns: int
     type: str
@@ -63,9 +63,9 @@ class _Chunk:
 
 
 def indexed_message(file: Source, topic: str, at_ns: int, limits: Limits) -> IndexedMessage | None:
-    """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
+    """Return the newest message of ``topic`` recorded at or before ``at_ns``; before the first, the first.
 
-    None where the bag has no such message, or no index that leads to one.
+    None if the bag has no such message, or no index for it.
     """
     try:
         with opened(file) as stream:
@@ -75,7 +75,7 @@ def indexed_message(file: Source, topic: str, at_ns: int, limits: Limits) -> Ind
 
 
 def definitions_in_bag(file: Source) -> dict[str, tuple[str, bytes]]:
-    """Return type and definition of the messages of each topic, as the index at the end of a bag states them."""
+    """Return type and definition of each topic's messages, from the index at the end of a bag."""
     definitions: dict[str, tuple[str, bytes]] = {}
     try:
         with opened(file) as stream:
@@ -145,7 +145,7 @@ def _read_index(stream: BinaryIO, topic: str) -> tuple[dict[int, str], list[_Chu
 
 
 def _record_head(stream: BinaryIO) -> tuple[Fields, int]:
-    """Return the header of the record that comes next, and the length of its data."""
+    """Return the header of the next record, and the length of its data."""
     size = stream.read(4)
     if len(size) < 4 or U32.unpack(size)[0] > MAX_HEADER_BYTES:
         raise DamagedError
@@ -157,7 +157,7 @@ def _record_head(stream: BinaryIO) -> tuple[Fields, int]:
 
 
 def _entries(stream: BinaryIO, chunk: _Chunk, kinds: dict[int, str]) -> Iterator[tuple[int, int, int]]:
-    """Yield time, connection and offset of the messages of ``kinds`` in a chunk, as the records behind it say."""
+    """Yield time, connection and offset of the messages of ``kinds`` in a chunk, from the records after it."""
     stream.seek(chunk.at)
     fields, n = _record_head(stream)
     if fields[b"op"] != CHUNK:

@@ -1,4 +1,4 @@
-"""Where a camera of a recording was, and what it saw of the map, by its CameraInfo and the transforms."""
+"""Pose of a camera in a recording, and the image position of map points, from its CameraInfo and the transforms."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mapper.io.logs.ros.camera_topics import camera_info_topic, is_rectified
 
 
 class Sight(NamedTuple):
-    """Where an image has a place: shares of its width and height, from the upper left corner; 0 where it has not."""
+    """Image position of a point: fractions of width and height from the upper left corner; 0 if not visible."""
 
     where: Literal["inside", "outside", "behind"]
     u: float
@@ -26,10 +26,10 @@ class Sight(NamedTuple):
 def sight_of(
     contents: Contents, topic: str, base: str, pose: Float64Array, place: Sequence[float], at_ns: int
 ) -> Sight:
-    """Return where an image on ``topic`` of the moment ``at_ns`` has a ``place`` (3,), metres in the map.
+    """Return the position in an image on ``topic`` at ``at_ns`` of a ``place`` (3,), metres in the map.
 
-    ``pose`` (3,) is that of the robot's frame ``base`` in the map, which moves in the plane z = 0. Raises
-    :class:`ReadError`, which says in a few words what the recording lacks, and :class:`ConfigError` as
+    ``pose`` (3,) is that of the robot's frame ``base`` in the map, in the plane z = 0. Raises :class:`ReadError`, with
+    a short description of what the recording lacks, and the :class:`ConfigError` of
     :meth:`mapper.sensors.camera.Lens.shares`.
     """
     info = camera_info_topic(topic)
@@ -54,7 +54,7 @@ def sight_of(
 
 
 def _mount(edges: Sequence[FrameEdge], base: str, frame: str, at_ns: int) -> Float64Array:
-    """Return ``T_base_frame`` (4, 4) at a moment. Raises :class:`ReadError` where no transforms join the two then."""
+    """Return ``T_base_frame`` (4, 4) at a time. Raises :class:`ReadError` if no transforms connect the two then."""
     parents = parents_of(edges)
     from_base, from_frame = chain_of(parents, base), chain_of(parents, frame)
     common = next((name for name in from_frame if name in from_base), None)

@@ -1,4 +1,4 @@
-"""The contents of a CARMEN log: each word that begins lines is a topic; ODOM lines state speeds.
+"""Contents of a CARMEN log: each first word of lines is a topic; ODOM lines state speeds.
 
 Source: the header that CARMEN's logger writes::
 
@@ -19,9 +19,9 @@ from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.names import printable
 from mapper.io.logs.text.lines import TextLines
 
-CARMEN_LINE = "CARMEN line"  #: what stands for the type of a topic
+CARMEN_LINE = "CARMEN line"  #: used as the type of a topic
 MAX_WORD = 40  #: characters
-MOST_WORDS = 200  #: lines of further words are not listed
+MOST_WORDS = 200  #: lines with further words are not listed
 
 ODOMETRY = (
     Column("forward", "m/s", "speed"),
@@ -39,7 +39,7 @@ class _Word:
 
 
 def inspect_carmen(file: Source, limits: Limits, progress: Progress | None) -> Contents:
-    """Return what the lines of a CARMEN log are; raises as :class:`TextLines`."""
+    """Return the contents of a CARMEN log. Raises the errors of :class:`TextLines`."""
     words: dict[str, _Word] = {}
     stamps, values = array("q"), array("f")
     for _, line in TextLines(file, limits, progress):
@@ -74,7 +74,7 @@ def inspect_carmen(file: Source, limits: Limits, progress: Progress | None) -> C
 
 
 def _stamp_ns(tokens: list[bytes]) -> int:
-    """Return the stamp that a line states third from its end, 0 where it is none."""
+    """Return the stamp, the third field from the end of a line, 0 if invalid."""
     try:
         seconds = float(tokens[-3]) if len(tokens) > 4 else 0.0
     except ValueError:
@@ -83,7 +83,7 @@ def _stamp_ns(tokens: list[bytes]) -> int:
 
 
 def _odometry(tokens: list[bytes]) -> list[float] | None:
-    """Return the numbers of an ODOM line in the order of ``ODOMETRY``; None for one of another form."""
+    """Return the numbers of an ODOM line in the order of ``ODOMETRY``; None for another format."""
     if len(tokens) < 10:
         return None
     try:

@@ -1,6 +1,6 @@
-"""The definitions of messages that a recording carries, as text: which fields a type has, in which order.
+"""Parser of message definitions in a recording, as text: the fields of a type, in order.
 
-Source: the ROS wiki's page on msg, docs.ros.org's "About ROS interfaces" (bounds, defaults, constants). The text begins
+Source: the ROS wiki's page on msg, docs.ros.org's "About ROS interfaces" (bounds, defaults, constants). The text starts
 with the type itself; each type that it uses follows after a line of ``=`` and ``MSG: package/Type``.
 """
 
@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from mapper.core.errors import ReadError
 from mapper.io.logs.ros.ros_messages import plain_type
 
-MAX_BYTES = 1 << 18  #: of one definition: those of the largest types in use have a tenth of it
-MAX_FIELDS = 4000  #: of all types together
-DYNAMIC = -1  #: length of an array that the message states
+MAX_BYTES = 1 << 18  #: of one definition: ten times those of the largest types in use
+MAX_FIELDS = 4000  #: of all types in total
+DYNAMIC = -1  #: length of an array whose size is in the message
 
-#: Type → code of :mod:`struct` and bytes. ``char`` and ``byte`` are uint8, as both versions of ROS serialise them.
+#: Type → :mod:`struct` code and size in bytes. ``char`` and ``byte`` are uint8, as both versions of ROS serialise them.
 PRIMITIVES: dict[str, tuple[str, int]] = {
     "bool": ("?", 1), "byte": ("B", 1), "char": ("B", 1),
     "int8": ("b", 1), "uint8": ("B", 1), "int16": ("h", 2), "uint16": ("H", 2),
@@ -24,7 +24,7 @@ PRIMITIVES: dict[str, tuple[str, int]] = {
     "float32": ("f", 4), "float64": ("d", 8),
 }  # fmt: skip
 STRING = "string"
-#: Types of ROS 1 that are built in: the names and types of their two numbers.
+#: Built-in types of ROS 1: names and types of their two numbers.
 TIMES: dict[str, tuple[tuple[str, str], tuple[str, str]]] = {
     "time": (("secs", "uint32"), ("nsecs", "uint32")),
     "duration": (("secs", "int32"), ("nsecs", "int32")),
@@ -36,7 +36,7 @@ _TYPE = re.compile(r"([\w/]+)(?:<=\d+)?(?:\[(?:<=\d+|(\d*))\])?")
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a message. ``length`` is None for one value, :data:`DYNAMIC` for an array, else that of the array."""
+    """A field of a message. ``length`` is None for a single value, :data:`DYNAMIC`, or the length of a fixed array."""
 
     name: str
     type: str
@@ -47,9 +47,9 @@ Definitions = dict[str, tuple[Field, ...]]  #: ``package/Type`` → its fields
 
 
 def definitions_of(kind: str, text: str) -> Definitions:
-    """Return the fields of the type ``kind`` and of all types that its definition names.
+    """Return the fields of the type ``kind`` and of all types named in its definition.
 
-    Raises :class:`ReadError` for a text that is none, or has a type that it does not define.
+    Raises :class:`ReadError` for an invalid text, or one with an undefined type.
     """
     if len(text) > MAX_BYTES:
         raise ReadError("message.definition", f"The definition of {kind!r:.100} has more than {MAX_BYTES} characters.")
@@ -78,7 +78,7 @@ def definitions_of(kind: str, text: str) -> Definitions:
 
 
 def _field(line: str, package: str) -> Field | None:
-    """Return the field of a line; None for a constant, a comment or an empty line."""
+    """Return the field in a line; None for a constant, a comment or an empty line."""
     line = line.split("#", 1)[0].strip()
     if not line:
         return None

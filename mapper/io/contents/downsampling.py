@@ -1,4 +1,4 @@
-"""What is made of a number over time before it is plotted: its derivative, its moving average, and fewer points."""
+"""Preparation of a number over time for plots: derivative, moving average, and downsampling."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ _RATES = {"": "1/s", "m/s": "m/s²", "rad/s": "rad/s²"}
 
 
 def unit_of_rate(unit: str) -> str:
-    """Return the unit of the change of a number per second."""
+    """Return the unit of a number's change per second."""
     return _RATES.get(unit, f"{unit}/s")
 
 
 def derivative(stamps_ns: Int64Array, values: Float64Array, *, is_angle: bool = False) -> Float64Array:
-    """Return the change per second (n,) since the sample before, NaN for the first.
+    """Return the change per second (n,) since the previous sample, NaN for the first.
 
-    ``stamps_ns`` (n,) ascending, ``values`` (n,). NaN where the stamp is that of the sample before, and after a gap.
-    The change of an angle in rad is wrapped to -pi to pi.
+    ``stamps_ns`` (n,) ascending, ``values`` (n,). NaN if the stamp equals the previous one, and after a gap. The change
+    of an angle in rad is wrapped to -pi to pi.
     """
     out = np.full(len(values), np.nan)
     seconds = np.diff(stamps_ns).astype(np.float64) * 1e-9
@@ -39,14 +39,14 @@ def moving_average(
 ) -> Float64Array:
     """Return the mean (n,) of the values within half of ``window_s`` seconds before and after each.
 
-    ``stamps_ns`` (n,) ascending, ``values`` (n,); values that are not finite are left out. The mean of angles in rad is
-    that of their directions.
+    ``stamps_ns`` (n,) ascending, ``values`` (n,); non-finite values are ignored. For angles in rad it is the circular
+    mean.
     """
     if is_angle:
         sine = moving_average(stamps_ns, np.sin(values), window_s)
         return np.arctan2(sine, moving_average(stamps_ns, np.cos(values), window_s))
     is_known = np.isfinite(values)
-    level = float(values[is_known].mean()) if is_known.any() else 0.0  # sums of small numbers are more exact
+    level = float(values[is_known].mean()) if is_known.any() else 0.0  # sums of small numbers are more accurate
     sums = np.concatenate([[0.0], np.cumsum(np.where(is_known, values - level, 0.0))])
     counts = np.concatenate([[0], np.cumsum(is_known)])
     half = round(0.5e9 * window_s)
@@ -66,12 +66,12 @@ def _wrapped(angle: Float64Array) -> Float64Array:
 def min_max(
     stamps_ns: NDArray[np.int64], values: NDArray[np.float32], buckets: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return at most ``2 · buckets`` rows of a series: per bucket of equal time and per column its extreme values.
+    """Return at most ``2 · buckets`` rows of a series: the extremes per bucket of equal duration and per column.
 
-    ``stamps_ns`` (n,) ascending, ``values`` (n, columns). Of each bucket that holds a sample there are two rows, at the
-    times of its first and of its last sample: the least and the greatest value of each column, in the order in which
-    they come in that column. NaN only where a bucket holds nothing else. A series that is short enough is returned as
-    it is. No extreme of the series is lost, unlike with every n-th sample.
+    ``stamps_ns`` (n,) ascending, ``values`` (n, columns). Each non-empty bucket has two rows, at the times of its first
+    and last sample: the minimum and maximum of each column, in the order in which they occur in that column. NaN only
+    if a bucket has no other value. A series that is short enough is returned unchanged. Unlike every n-th sample, this
+    preserves all extremes of the series.
     """
     n = len(stamps_ns)
     if n <= 2 * buckets:
@@ -85,7 +85,7 @@ def min_max(
     high_filled = np.where(np.isnan(values), -np.inf, values)
     low = np.minimum.reduceat(low_filled, starts)
     high = np.maximum.reduceat(high_filled, starts)
-    is_empty = low > high  # of a column that is NaN throughout the bucket
+    is_empty = low > high  # for a column that is NaN in the whole bucket
     of_row = np.repeat(np.arange(len(starts)), ends - starts)
     rows = np.arange(n)[:, None]
     first_low = np.minimum.reduceat(np.where(low_filled == low[of_row], rows, n), starts)

@@ -1,7 +1,8 @@
-"""The numbers in the messages of any topic over time, by the definition that the recording carries, and their frames.
+"""Numbers in the messages of any topic over time, decoded with the recording's definition, and their frames.
 
-For a process with limits, as :mod:`mapper.io.contents.message_tree`, which decodes the messages. Source of the fields
-with names of frames: std_msgs/Header, and the definitions of the messages that begin with one, of ROS 1 and ROS 2.
+To be run in a process with limits, like :mod:`mapper.io.contents.message_tree`, which decodes the messages. Source of
+the fields with names of frames: std_msgs/Header, and the definitions of the messages that start with one, in ROS 1 and
+ROS 2.
 """
 
 from __future__ import annotations
@@ -44,25 +45,25 @@ _NAMES = {
 
 
 def unit_of(field: str) -> str:
-    """Return the unit of a field, by its path in the message; an empty text where its name has none."""
+    """Return the unit of a field, from its path in the message; empty if unknown."""
     rest, _, name = field.rpartition(".")
     return _AXES.get(rest.rpartition(".")[2], "") if name in ("x", "y", "z") else _NAMES.get(name, "")
 
 
-MAX_COLUMNS = 400  #: numbers of a message that are kept
-MAX_VALUES = 1 << 22  #: numbers of all messages together, from which on neighbours are joined to their extremes
-WHOLE, FIRST = 36, 8  #: arrays up to WHOLE elements, as a covariance has, are kept whole; of longer ones the FIRST
-LAST_NS = 1 << 62  #: a time beyond this is a defect
+MAX_COLUMNS = 400  #: numbers stored per message
+MAX_VALUES = 1 << 22  #: numbers of all messages in total, above which neighbours are reduced to their extremes
+WHOLE, FIRST = 36, 8  #: arrays of up to WHOLE elements, such as covariances, are kept; of longer ones the FIRST
+LAST_NS = 1 << 62  #: a later time is invalid
 _NUMBERS = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
 _QUATERNION = frozenset("xyzw")
-#: What the numbers of a stamp are called in ROS 2, ROS 1, Foxglove's JSON and Protocol Buffers.
+#: Field names of a stamp in ROS 2, ROS 1, Foxglove's JSON and Protocol Buffers.
 _SECONDS, _NANOSECONDS = ("sec", "secs", "seconds"), ("nanosec", "nsecs", "nsec", "nanos")
 
 
 def numbers_in(tree: Tree) -> dict[str, float]:
-    """Return the numbers of a message by the paths of their fields, as in ``pose.position.x`` and ``ranges[0]``.
+    """Return the numbers of a message by field path, such as ``pose.position.x`` and ``ranges[0]``.
 
-    Of a quaternion ``roll``, ``pitch`` and ``yaw`` follow, in rad, as in REP 103; of one that is no rotation NaN.
+    A quaternion is followed by ``roll``, ``pitch`` and ``yaw``, in rad, by REP 103; NaN for an invalid rotation.
     """
     return dict(zip(*zip(*_numbers(tree, ""), strict=True), strict=True)) if tree else {}
 
@@ -85,13 +86,13 @@ def _numbers(value: object, path: str) -> Iterator[tuple[str, float]]:
 def _angles(quaternion: dict[str, Any]) -> tuple[float, float, float]:
     x, y, z, w = (float(value) if isinstance(value, int | float) else math.nan for value in map(quaternion.get, "xyzw"))
     length = math.sqrt(x * x + y * y + z * z + w * w)
-    if not 0.5 < length < 2.0:  # also of NaN
+    if not 0.5 < length < 2.0:  # also for NaN
         return math.nan, math.nan, math.nan
     return to_euler(x / length, y / length, z / length, w / length)
 
 
 def stated_ns(tree: Tree) -> int:
-    """Return the stamp that a message states, ns; 0 for none."""
+    """Return the stamp stated by a message, ns; 0 for none."""
     header = tree.get("header")
     stamp = header.get("stamp") if isinstance(header, dict) else tree.get("stamp", tree.get("timestamp"))
     if not isinstance(stamp, dict):
@@ -103,9 +104,9 @@ def stated_ns(tree: Tree) -> int:
 
 @dataclass(frozen=True, slots=True)
 class TopicFields:
-    """The paths of the numbers in the first message of a topic; ``why`` there are none, a sentence, else empty.
+    """The paths of the numbers in the first message of a topic; ``why`` is a sentence if there are none, else empty.
 
-    ``frames`` are the coordinate frames that the message names.
+    ``frames`` are the coordinate frames named in the message.
     """
 
     topic: str
@@ -121,9 +122,9 @@ def fields_of(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> list[TopicFields]:
-    """Return fields and frames of each of ``topics``, of names and types, by its first message; it is read once.
+    """Return fields and frames of each of ``topics``, given by name and type, from its first message, in one pass.
 
-    Raises as reading the recording does.
+    Raises the errors of reading the recording.
     """
     all_topics = list(topics)
     names_of_all = {topic for topic, _ in all_topics}
@@ -150,7 +151,7 @@ def fields_of(
 
 
 class _Rows(MessageSink):
-    """Takes the messages of one topic as rows of numbers."""
+    """Collects the messages of one topic as rows of numbers."""
 
     as_recorded = True
 
@@ -213,7 +214,7 @@ class _Rows(MessageSink):
             self._join()
 
     def series(self) -> Series:
-        """Return the rows so far, in the order of their times."""
+        """Return the rows so far, in time order."""
         stamps = np.array(self.stamps, dtype=np.int64)
         values = np.stack([np.array(column) for column in self.columns.values()], axis=-1)
         order = np.argsort(stamps, kind="stable")
@@ -230,11 +231,11 @@ class _Rows(MessageSink):
 def field_series(
     path: Path, topic: str, message_type: str, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
 ) -> Series:
-    """Return all numbers of a topic's messages of a type over time, float64, at the stamps that they state.
+    """Return all numbers of a topic's messages of a type over time, float64, at their stated stamps.
 
-    Where one states none, that is the time of its recording.
-    The recording is read once. Where there are more than :data:`MAX_VALUES`, rows are the extremes of intervals, as
-    :func:`min_max` makes them. Raises :class:`ReadError` and :class:`LimitError` as reading and decoding do.
+    A message without a stamp has its recording time. The recording is read once. If there are more than
+    :data:`MAX_VALUES`, rows are the extremes of intervals, as in :func:`min_max`. Raises the :class:`ReadError` and
+    :class:`LimitError` of reading and decoding.
     """
     files, kind = parts_of(path, limits)
     if not isinstance(kind, Container):
@@ -254,7 +255,7 @@ MAX_FRAMES = 50  #: names of one message
 MAX_NAME = 200  #: characters of a name
 _FRAME_FIELDS = frozenset(("frame_id", "child_frame_id", "parent_frame_id"))  #: the last of Foxglove
 
-#: Types that begin with a Header, for recordings that do not define their types.
+#: Types that start with a Header, for recordings without definitions.
 HEADED = frozenset(
     f"{package}/{name}"
     for package, names in {
@@ -269,17 +270,17 @@ HEADED = frozenset(
     }.items()
     for name in names.split()
 )
-#: Those of them in which the name of a child frame follows.
+#: Those followed by the name of a child frame.
 _WITH_CHILD = frozenset(("nav_msgs/Odometry", "geometry_msgs/TransformStamped"))
 
 
 def frames_in(tree: Tree) -> tuple[str, ...]:
-    """Return the frames that a message names in its fields of :data:`_FRAME_FIELDS`, at any depth."""
+    """Return the frames named in a message's fields :data:`_FRAME_FIELDS`, at any depth."""
     return _named(_values(tree))
 
 
 def frames_of_type(kind: str, data: bytes, *, cdr: bool) -> tuple[str, ...]:
-    """Return the frames that a message of a type of :data:`HEADED` names first; none of any other."""
+    """Return the frames at the start of a message of a type in :data:`HEADED`; none for other types."""
     if kind not in HEADED:
         return ()
     fields = MessageFields(data, cdr=cdr)
@@ -291,7 +292,7 @@ def frames_of_type(kind: str, data: bytes, *, cdr: bool) -> tuple[str, ...]:
 
 
 def _named(names: Iterator[str]) -> tuple[str, ...]:
-    named: dict[str, None] = {}  # a set in order
+    named: dict[str, None] = {}  # used as an ordered set
     for name in names:
         if len(named) == MAX_FRAMES:
             break

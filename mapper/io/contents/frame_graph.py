@@ -1,4 +1,4 @@
-"""The graph of transforms as tf2 sees it: which frames are joined, and which link is missing to a fixed frame.
+"""Graph of transforms as in tf2: connected frames, and missing links to a fixed frame.
 
 Source: the tf2 design (a frame has one parent; a lookup follows parents to the common ancestor); REP 105.
 """
@@ -11,14 +11,14 @@ from mapper.io.contents.model import FrameEdge
 from mapper.io.logs.recording.tf_topics import STATIC, is_static, namespaces
 
 TF_STATIC = "tf_static"
-MAX_NAMED = 20  #: frames of a loop that are named
+MAX_NAMED = 20  #: frames of a loop that are listed
 
 
 def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[FrameEdge]]:
-    """Return the edges of each tree by the topic of the transforms that move.
+    """Return the edges of each tree, by the topic of non-static transforms.
 
-    Robots may have the same frames, each on topics of its own (:mod:`mapper.io.logs.recording.tf_topics`). With those
-    that move are the static ones of the same namespace, or of the nearest around it or around the topic ``sensor``.
+    Robots may have the same frames, each on its own topics (:mod:`mapper.io.logs.recording.tf_topics`). The static
+    transforms of a tree are those of the same namespace, or of the nearest one enclosing it or the topic ``sensor``.
     """
     statics = list(dict.fromkeys(edge.topic for edge in edges if is_static(edge.topic)))
     trees = {}
@@ -31,7 +31,7 @@ def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[Fra
 
 
 def tree_for(trees: Mapping[str, Sequence[FrameEdge]], sensor: str, frame: str) -> str:
-    """Return the topic of the tree that has the ``frame`` of a ``sensor``: the nearest to its topic, "" for none."""
+    """Return the topic of the tree with the ``frame`` of a ``sensor``: the nearest to its topic, "" for none."""
     near = [topic for space in namespaces(sensor) for topic in trees if topic == f"{space}/tf"]
     ranked = [*near, *sorted((tree for tree in trees if tree not in near), key=lambda topic_: -_count(trees[topic_]))]
     knows = [topic_ for topic_ in ranked if any(frame in (edge.parent, edge.child) for edge in trees[topic_])]
@@ -43,9 +43,9 @@ def _count(edges: Iterable[FrameEdge]) -> int:
 
 
 def parents_of(edges: Iterable[FrameEdge]) -> dict[str, str]:
-    """Return the parent of each frame; where several are stated, the one that is stated most often.
+    """Return the parent of each frame; if several are stated, the most frequent one.
 
-    tf2 keeps the newest instead, so that such a frame jumps: :func:`faults` names it.
+    tf2 uses the newest instead, so that such a frame jumps, which :func:`faults` reports.
     """
     parent_edges: dict[str, FrameEdge] = {}
     for edge in edges:
@@ -55,8 +55,8 @@ def parents_of(edges: Iterable[FrameEdge]) -> dict[str, str]:
 
 
 def chain_of(parents: dict[str, str], frame: str) -> list[str]:
-    """Return ``frame``, its parent and so on to the root, or to the first frame that comes again."""
-    chain: dict[str, None] = {}  # a set in order
+    """Return ``frame``, its parent and so on to the root, or to the first repeated frame."""
+    chain: dict[str, None] = {}  # used as an ordered set
     above: str | None = frame
     while above is not None and above not in chain:
         chain[above] = None
@@ -65,9 +65,9 @@ def chain_of(parents: dict[str, str], frame: str) -> list[str]:
 
 
 def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> list[str]:
-    """Return what is wrong with the graph, one sentence each: links that are missing, loops, several parents.
+    """Return the faults of the graph, one sentence each: missing links, loops, several parents.
 
-    ``sensors`` are the frames that have to be joined with the frame ``fixed``.
+    ``sensors`` are the frames that must be connected to the frame ``fixed``.
     """
     sentences = []
     stated: dict[str, set[str]] = {}
@@ -98,7 +98,7 @@ def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> li
 
 
 def frames_in_loops(parents: dict[str, str]) -> list[str]:
-    """Return the frames that are above themselves, in order: in a time linear in the number of frames."""
+    """Return the frames that are their own ancestors, in order, in linear time."""
     walk_of: dict[str, int] = {}
     frames = []
     for walk, start in enumerate(parents):

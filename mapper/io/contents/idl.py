@@ -1,8 +1,8 @@
-"""The definitions of messages in IDL, as ROS 2 writes them into recordings: modules, structures, typedefs of arrays.
+"""Parser of message definitions in IDL, as in ROS 2 recordings: modules, structures, typedefs of arrays.
 
 Source: OMG IDL 4.2, 7.4; design.ros2.org/articles/idl_interface_definition.html; mcap.dev/spec/registry (``ros2idl``:
-the files of the type and of those that it uses, each after a line of ``=`` and ``IDL: package/msg/Type``). What else
-IDL has (unions, enumerations, maps, inheritance, wide characters, arrays of arrays) is refused.
+the files of the type and of those that it uses, each after a line of ``=`` and ``IDL: package/msg/Type``). Other
+features of IDL (unions, enumerations, maps, inheritance, wide characters, arrays of arrays) are rejected.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from mapper.core.errors import ReadError
 from mapper.io.contents.definitions import DYNAMIC, MAX_BYTES, MAX_FIELDS, PRIMITIVES, STRING, Definitions, Field
 from mapper.io.logs.ros.ros_messages import plain_type
 
-MAX_DEPTH = 16  #: of modules in modules, of which ROS has three, and of typedefs of typedefs
-#: Basic types of IDL that are called otherwise in ROS.
+MAX_DEPTH = 16  #: of nested modules, of which ROS has three, and of chained typedefs
+#: Basic types of IDL with other names in ROS.
 _BASIC = {
     "boolean": "bool", "octet": "byte", "float": "float32", "double": "float64",
     "short": "int16", "unsigned short": "uint16", "long": "int32", "unsigned long": "uint32",
     "long long": "int64", "unsigned long long": "uint64",
 }  # fmt: skip
-#: Comments, lines for the preprocessor and those between files; or, as the group, a word. What is not closed goes on to
+#: Comments, preprocessor lines and separators between files; or, as the group, a word. An unclosed comment extends to
 #: the end, so that no text is searched twice.
 _WORD = re.compile(
     r"""//[^\n]*|/\*(?:.*?\*/|.*)|^[ \t]*\#[^\n]*|^=+\s*$|^IDL:[^\n]*|"""
@@ -28,15 +28,15 @@ _WORD = re.compile(
     re.ASCII | re.DOTALL | re.MULTILINE,
 )
 _NAME = re.compile(r"(?:::)?[A-Za-z_]\w*(?:::\w+)*", re.ASCII)
-_NO_MEMBER = "structure_needs_at_least_one_member"  #: what ROS 2 puts into an empty message
+_NO_MEMBER = "structure_needs_at_least_one_member"  #: used by ROS 2 in an empty message
 
 _Type = tuple[str, int | None]  #: a name, and the length as in :class:`Field`
 
 
 def definitions_in_idl(kind: str, text: str) -> Definitions:
-    """Return the fields of the type ``kind`` and of all types that its definition has.
+    """Return the fields of the type ``kind`` and of all types in its definition.
 
-    Raises :class:`ReadError` for a text that is none, has more than is read, or a type that it does not define.
+    Raises :class:`ReadError` for an invalid text, unsupported features, or an undefined type.
     """
     if len(text) > MAX_BYTES:
         raise ReadError("message.definition", f"The definition of {kind!r:.100} has more than {MAX_BYTES} characters.")
@@ -57,7 +57,7 @@ def _refused(word: str) -> ReadError:
 
 
 class _Parser:
-    """Takes the structures and the typedefs of a text; constants and annotations are passed over."""
+    """Parses the structures and typedefs of a text; constants and annotations are skipped."""
 
     def __init__(self, tokens: list[str]) -> None:
         self.structures: dict[str, list[tuple[str, _Type]]] = {}
@@ -67,7 +67,7 @@ class _Parser:
         self._members = 0
 
     def definitions(self, scope: str, depth: int, end: str) -> None:
-        """Take what is in a module, or in the whole text, up to ``end``."""
+        """Parse the contents of a module, or of the whole text, up to ``end``."""
         if depth > MAX_DEPTH:
             raise _refused("module")
         while (word := self._next(end)) != end:
@@ -96,9 +96,9 @@ class _Parser:
             self._expect(";")
 
     def resolved(self, scope: str, of: _Type) -> _Type:
-        """Return a type whose name is one of ROS, in whose place no typedef stands.
+        """Return a type with its ROS name and all typedefs resolved.
 
-        A name is looked for in ``scope``, then in each scope around it.
+        A name is looked up in ``scope``, then in each enclosing scope.
         """
         name, length = of
         for _ in range(MAX_DEPTH):
@@ -163,7 +163,7 @@ class _Parser:
             raise _refused(word)
 
     def _declarators(self, of: _Type) -> list[tuple[str, _Type]]:
-        """Return the names that are declared of a type, up to the semicolon, with its type, which may be an array."""
+        """Return the names declared with a type, up to the semicolon, with their types, which may be arrays."""
         declarators: list[tuple[str, _Type]] = []
         while True:
             name, declared = self._name(""), of
@@ -182,7 +182,7 @@ class _Parser:
                 raise _refused(word)
 
     def _annotation(self) -> None:
-        """Pass over an annotation's name and what is in its parentheses."""
+        """Skip an annotation's name and its parentheses."""
         self._name("")
         if self._peek() != "(":
             return
@@ -203,7 +203,7 @@ class _Parser:
         return self._tokens[self._at] if self._at < len(self._tokens) else ""
 
     def _next(self, end: str | None = None) -> str:
-        """Return the next word; at the end of the text nothing, where that is the ``end`` that is waited for."""
+        """Return the next word; at the end of the text nothing, if that is the expected ``end``."""
         if self._at == len(self._tokens):
             if end == "":
                 return ""
@@ -222,7 +222,7 @@ def _within(scope: str, name: str) -> str:
 
 
 def _scoped(scope: str, name: str) -> list[str]:
-    """Return the full names that a name may stand for in a scope, the nearest first."""
+    """Return the full names that a name may refer to in a scope, nearest first."""
     if name.startswith("::"):
         return [name[2:]]
     names = [name]

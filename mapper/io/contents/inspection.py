@@ -1,4 +1,4 @@
-"""One pass over a recording that counts every message, and keeps times of transforms, numbers and log lines."""
+"""One pass over a recording that counts all messages, and collects times of transforms, numbers and log lines."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ from mapper.io.logs.text import carmen
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.streams import CloudStream, ImuStream
 
-MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
+MAX_NAME = 200  #: stored characters of a topic's, type's or frame's name
 MAX_EDGES = 5000  #: pairs of frames
-MAX_POSES = 1 << 19  #: poses of all moving transforms together; beyond, every second one of the longest is dropped
-MAX_PUBLISHERS = 8  #: nodes that are named of one transform
-MAX_VALUES = 1 << 26  #: numbers of 4 bytes of all series together, while the recording is read
-KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of that many buckets
-LAST_NS = 1 << 62  #: a time beyond this is a defect
-_READ = LOGGED | TRANSFORMS.keys() | {CAMERA}  #: types that are read, besides those with numbers for plots
+MAX_POSES = 1 << 19  #: poses of all moving transforms in total; above, every second one of the longest is dropped
+MAX_PUBLISHERS = 8  #: nodes listed for one transform
+MAX_VALUES = 1 << 26  #: 4-byte numbers of all series in total, while the recording is read
+KEPT_ROWS = 1 << 18  #: stored rows of one series; a longer one is reduced to the extremes of this number of buckets
+LAST_NS = 1 << 62  #: a later time is invalid
+_READ = LOGGED | TRANSFORMS.keys() | {CAMERA}  #: types that are read, in addition to those with numbers for plots
 
 
 @dataclass(slots=True)
@@ -53,24 +53,24 @@ class _Topic:
     cdr: bool
     plotted: PlottedType | None
     readable: bool
-    recorded: bool = False  #: whether the stamps are those of the recording, as a message has none
+    recorded: bool = False  #: whether the stamps are recording times, because messages have none
     messages: int = 0
     bytes: int = 0
     first_ns: int = 0
     last_ns: int = 0
     bad: int = 0
     stamps: array[int] = field(default_factory=lambda: array("q"))
-    values: array[float] = field(default_factory=lambda: array("f"))  #: as float64 where speeds are made of poses
+    values: array[float] = field(default_factory=lambda: array("f"))  #: float64 if speeds are computed from poses
 
     @property
     def is_read(self) -> bool:
-        """Whether the messages themselves are read."""
+        """Whether the contents of the messages are read."""
         return self.plotted is not None or (self.readable and self.type in _READ)
 
 
 @dataclass(slots=True)
 class _Edge:
-    """The transforms from one frame to another: all their times, and each ``every``-th pose of those that move."""
+    """The transforms between two frames: all their times, and every ``every``-th pose of a moving one."""
 
     pose: Pose7
     stamps: array[int] = field(default_factory=lambda: array("q"))
@@ -84,7 +84,7 @@ class _Edge:
         self.poses.extend(pose)
 
     def thin(self) -> int:
-        """Drop every second pose, and return how many that are."""
+        """Drop every second pose, and return the number dropped."""
         before = len(self.pose_stamps)
         self.pose_stamps = self.pose_stamps[::2]
         self.poses = array("d", np.frombuffer(self.poses).reshape(-1, 7)[::2].tobytes())
@@ -111,7 +111,7 @@ class _Edge:
 
 
 class Inspector(MessageSink):
-    """Takes a recording, and makes no log of it but its :class:`Contents`."""
+    """Processes a recording into its :class:`Contents`, without making a log."""
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
@@ -128,7 +128,7 @@ class Inspector(MessageSink):
 
     @property
     def taken(self) -> int:
-        """Messages taken so far."""
+        """Number of messages so far."""
         return self._n_messages
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
@@ -145,28 +145,28 @@ class Inspector(MessageSink):
         self._counted_by_key[key] = self._counted[stream]
 
     def published_by(self, key: int, node: str) -> None:
-        """Take the name of the node that published a stream."""
+        """Store the name of the node that published a stream."""
         self._publisher_by_key[key] = printable(node[:MAX_NAME])
 
     def next_file(self) -> None:
-        """Go on with another file of the same recording."""
+        """Continue with another file of the same recording."""
         self._counted_by_key.clear()
         self._publisher_by_key.clear()
 
     def wants(self, key: int) -> bool:
-        """Return whether this stream's messages are to be read; of the others the sizes are enough."""
+        """Return whether this stream's messages are read; for others their sizes suffice."""
         topic = self._counted_by_key.get(key)
         return topic is not None and topic.is_read
 
     def knows(self, key: int) -> bool:  # noqa: ARG002 - as all sinks have it
-        """Return False for any stream: no chunk is skipped by its index, which has no sizes."""
+        """Return False for any stream, because skipping chunks by their index would lose the sizes."""
         return False
 
     def pass_over(self, key: int, count: int) -> None:
-        """Count nothing: no chunk is skipped."""
+        """Do nothing, because no chunk is skipped."""
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
-        """Take one message, recorded at ``stamp_ns``. Raises :class:`LimitError`."""
+        """Process one message, recorded at ``stamp_ns``. Raises :class:`LimitError`."""
         self._n_messages += 1
         if self._n_messages > self.limits.max_messages:
             raise LimitError("log.too_many_messages", f"The log has more than {self.limits.max_messages} messages.")
@@ -181,7 +181,7 @@ class Inspector(MessageSink):
         if not topic.is_read:
             return
         try:
-            if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+            if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message separately
                 data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
             if topic.plotted is not None:
                 self._take_row(topic, topic.plotted, stamp_ns, data)
@@ -236,7 +236,7 @@ class Inspector(MessageSink):
             self._cameras[topic.name] = CameraContents(topic.name, frame, info.intrinsics, info.lens)
 
     def contents(self) -> Contents:
-        """Return what was taken."""
+        """Return the collected contents."""
         counted: dict[tuple[str, str], TopicContents] = {}
         for topic in self._counted.values():
             known = counted.get((topic.name, topic.type))
@@ -262,7 +262,7 @@ class Inspector(MessageSink):
 
 
 def _joined(known: TopicContents | None, topic: _Topic) -> TopicContents:
-    """Return the figures of a topic; several streams of one name and type count together."""
+    """Return the figures of a topic; several streams of one name and type are merged."""
     if known is None:
         return TopicContents(topic.name, topic.type, topic.messages, topic.bytes, topic.first_ns, topic.last_ns)
     firsts = [first for first in (known.first_ns, topic.first_ns) if first]
@@ -277,7 +277,7 @@ def _joined(known: TopicContents | None, topic: _Topic) -> TopicContents:
 
 
 def _float32(value: float) -> float:
-    """Return a number that float32 holds: array("f") refuses larger ones."""
+    """Limit a number to the range of float32, because array("f") rejects larger ones."""
     return value if abs(value) < 3.0e38 else float("nan")
 
 
@@ -298,10 +298,10 @@ def _series(topic: _Topic, plotted: PlottedType) -> Series:
 def inspect(
     path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
 ) -> Contents:
-    """Return what the recording at ``path`` holds, of any kind that :func:`mapper.io.logs.open_log` reads.
+    """Return the contents of the recording at ``path``, of any kind that :func:`mapper.io.logs.open_log` reads.
 
-    Of CARMEN logs the topics are the words of its lines; of the other text formats there is nothing but scans, and
-    nothing is listed. The whole recording is read. Raises :class:`ReadError` and :class:`LimitError` as ``open_log``.
+    The topics of CARMEN logs are the words of their lines; other text formats contain only scans, and nothing is
+    listed. The whole recording is read. Raises the :class:`ReadError` and :class:`LimitError` of ``open_log``.
     """
     files, kind = parts_of(Path(path), limits)
     if not isinstance(kind, Container):
@@ -320,9 +320,9 @@ def open_inspected(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> tuple[RobotLog, Contents]:
-    """Return :func:`mapper.io.logs.open_robot_log` and :func:`inspect` of a recording that is read once.
+    """Return the results of :func:`mapper.io.logs.open_robot_log` and :func:`inspect` from one pass over a recording.
 
-    A text log is read twice. Raises as those two.
+    A text log is read twice. Raises the errors of both.
     """
     inspector = Inspector(limits)
     robot = open_robot_log(path, selection=selection, limits=limits, progress=progress, also=inspector)
@@ -331,9 +331,9 @@ def open_inspected(
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A recording without looking for scans: the name of its format, its contents, its clouds and its IMUs.
+    """A recording, possibly without scans: the name of its format, its contents, clouds and IMUs.
 
-    ``no_scans`` is why no log can be made of it, where that was looked for.
+    ``no_scans`` is the reason why no log can be made from it, if that was tried.
     """
 
     format: str
@@ -346,9 +346,10 @@ class Held:
 def open_held(
     path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
 ) -> Held | None:
-    """Return what the recording at ``path`` holds, which need not have scans; None for a file that is no recording.
+    """Return the contents of the recording at ``path``, possibly without scans; None for a file that is not a
+    recording.
 
-    It is read once. Raises :class:`ReadError` and :class:`LimitError` as :func:`inspect`.
+    It is read once. Raises the :class:`ReadError` and :class:`LimitError` of :func:`inspect`.
     """
     files, kind = parts_of(Path(path), limits)
     if not isinstance(kind, Container):

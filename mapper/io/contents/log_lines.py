@@ -1,4 +1,4 @@
-"""Lines that nodes of ROS log: messages of /rosout, and changes of the states on /diagnostics.
+"""Log lines of ROS nodes: messages of /rosout, and state changes on /diagnostics.
 
 Source: the definitions of rcl_interfaces/Log, rosgraph_msgs/Log, foxglove_msgs/Log and diagnostic_msgs/DiagnosticArray.
 """
@@ -12,22 +12,22 @@ from dataclasses import dataclass
 from mapper.io.logs.names import printable
 from mapper.io.logs.ros.message_fields import MessageFields
 
-DEBUG, INFO, WARN, ERROR, FATAL = 10, 20, 30, 40, 50  #: levels, as rcl_interfaces/Log has them
+DEBUG, INFO, WARN, ERROR, FATAL = 10, 20, 30, 40, 50  #: levels, as in rcl_interfaces/Log
 #: Levels of rosgraph_msgs/Log, of foxglove_msgs/Log, and of diagnostic_msgs/DiagnosticStatus, whose last is "stale".
 _ROS1 = {1: DEBUG, 2: INFO, 4: WARN, 8: ERROR, 16: FATAL}
 _FOXGLOVE = {1: DEBUG, 2: INFO, 3: WARN, 4: ERROR, 5: FATAL}
 _DIAGNOSTIC = {0: INFO, 1: WARN, 2: ERROR, 3: WARN}
-MAX_LINES = 10_000  #: lines that are kept below WARN, and as many from WARN on
-MAX_TEXT, MAX_NAME = 1000, 200  #: characters of a line that are kept
-MAX_STATES = 10_000  #: names of states on /diagnostics whose changes are followed
-_COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")  # as nodes write them for a terminal
+MAX_LINES = 10_000  #: lines stored below WARN, and as many from WARN on
+MAX_TEXT, MAX_NAME = 1000, 200  #: stored characters of a line
+MAX_STATES = 10_000  #: states on /diagnostics whose changes are tracked
+_COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")  # written by nodes for a terminal
 
 
 @dataclass(frozen=True, slots=True)
 class LogLine:
-    """A line that a node logged, of ``level`` :data:`DEBUG` to :data:`FATAL`.
+    """A line logged by a node, with ``level`` :data:`DEBUG` to :data:`FATAL`.
 
-    ``stamp_ns`` is the time that the message states, and where it states none (``is_recorded``) that of its recording.
+    ``stamp_ns`` is the time stated by the message or, if it states none (``is_recorded``), its recording time.
     """
 
     stamp_ns: int
@@ -68,7 +68,7 @@ def _diagnostics(fields: MessageFields) -> list[_Stated]:
     for _ in range(fields.count(1)):
         level = int(fields.unpack("B", 1)[0])
         name, text = fields.string(), fields.string()
-        fields.string()  # the hardware
+        fields.string()  # hardware id
         for _ in range(fields.count(8)):
             fields.string()
             fields.string()
@@ -94,10 +94,10 @@ LOGGED = frozenset(_READ)  #: types whose messages have lines
 
 
 class LineReader:
-    """Takes the messages of :data:`LOGGED`, and keeps their lines within limits.
+    """Processes the messages of :data:`LOGGED`, and stores a limited number of lines.
 
-    The first :data:`MAX_LINES` lines below a warning are kept, and as many from a warning on, so that a node that logs
-    much leaves no error out. Of a state that is published again unchanged, the first message is kept.
+    The first :data:`MAX_LINES` lines below warning level are stored, and as many from it on, so that a verbose node
+    does not displace errors. Of a state published repeatedly without change, the first message is stored.
     """
 
     def __init__(self) -> None:
@@ -107,11 +107,11 @@ class LineReader:
 
     @property
     def lines(self) -> list[LogLine]:
-        """The lines so far, in the order of their times."""
+        """The lines so far, in time order."""
         return sorted((line for kept in self._kept for line in kept), key=lambda line: line.stamp_ns)
 
     def take(self, kind: str, topic: str, stamp_ns: int, data: bytes, *, cdr: bool) -> None:
-        """Take one message, recorded at ``stamp_ns``. Raises ``BadMessageError``."""
+        """Process one message, recorded at ``stamp_ns``. Raises ``BadMessageError``."""
         read = _READ[kind]
         for stated, level, whole_name, whole_text in read(MessageFields(data, cdr=cdr)):
             name, text = printable(whole_name[:MAX_NAME]), _legible(whole_text)
@@ -133,6 +133,6 @@ class LineReader:
 
 
 def _legible(text: str) -> str:
-    """Return a text in one line without colours, cut at :data:`MAX_TEXT` characters."""
+    """Return a text on one line without colours, cut at :data:`MAX_TEXT` characters."""
     plain = " ".join(_COLOURS.sub("", text[: 2 * MAX_TEXT]).split())
     return printable(plain if len(plain) <= MAX_TEXT else f"{plain[:MAX_TEXT]} …")

@@ -1,8 +1,8 @@
-"""One message of a recording as a tree of its fields: the newest of a topic at a moment.
+"""One message of a recording as a tree of its fields: the newest of a topic at a time.
 
-It is decoded by the definition that the recording carries; a message in JSON names its fields itself. Source: RFC 8259;
-mcap.dev/spec/registry. For a process with limits: the definition and the message were written by others. Every length
-is compared with the bytes that are there, and the numbers of values and levels are limited
+It is decoded with the recording's definition; a JSON message names its fields itself. Source: RFC 8259;
+mcap.dev/spec/registry. To be run in a process with limits, because the definition and the message are untrusted. Every
+length is compared with the available bytes, and the numbers of values and levels are limited
 (:mod:`mapper.io.contents.tree_values`).
 """
 
@@ -39,8 +39,8 @@ from mapper.io.logs.ros.ros_messages import plain_type
 def tree_of(types: Definitions, kind: str, data: bytes, *, cdr: bool) -> Tree:
     """Return the fields of a message by name.
 
-    An array is a list of its first :data:`SHOWN` elements and a sentence on the rest. Numbers that JSON has not are
-    the texts ``.nan``, ``.inf`` and ``-.inf``, as in YAML. Raises :class:`ReadError` and :class:`LimitError`.
+    An array is a list of its first :data:`SHOWN` elements and a sentence on the rest. Numbers that JSON lacks are the
+    strings ``.nan``, ``.inf`` and ``-.inf``, as in YAML. Raises :class:`ReadError` and :class:`LimitError`.
     """
     try:
         decoder = _Decoder(types, MessageFields(data, cdr=cdr))
@@ -62,7 +62,7 @@ class _Decoder:
         check_size(self._values, depth)
         own = self._types[kind]
         if not own and self.fields.cdr:
-            self.fields.unpack("B", 1)  # IDL has no empty structure: ROS 2 puts a byte into it
+            self.fields.unpack("B", 1)  # IDL has no empty structure, so ROS 2 inserts a byte
         return {field.name: self._field(field.type, field.length, depth) for field in own}
 
     def _field(self, kind: str, length: int | None, depth: int) -> object:
@@ -74,7 +74,7 @@ class _Decoder:
             raise BadMessageError
         if kind in PRIMITIVES:
             return cut_list(self._numbers(kind, n), n)
-        # The rest is read as well, as what comes after it begins at its end; of what has no bytes there is nothing.
+        # The rest is also read, because the next field starts at its end, unless elements have no bytes.
         values: list[object] = []
         for i in range(n if least else min(n, SHOWN)):
             before = self._values
@@ -96,7 +96,7 @@ class _Decoder:
         return self.message(kind, depth + 1)
 
     def _numbers(self, kind: str, n: int) -> list[object]:
-        """Return the first of ``n`` numbers, and go on behind the last."""
+        """Return the first of ``n`` numbers, and continue after the last."""
         code, size = PRIMITIVES[kind]
         fields = self.fields
         if n == 0:
@@ -111,7 +111,7 @@ class _Decoder:
         return [plain_number(value) for value in values]
 
     def _least_bytes(self, kind: str, depth: int) -> int:
-        """Return how many bytes a value of a type has at least."""
+        """Return the minimum size in bytes of a value of a type."""
         if kind in PRIMITIVES:
             return PRIMITIVES[kind][1]
         if kind == STRING:
@@ -120,7 +120,7 @@ class _Decoder:
             return 8
         if kind not in self._least:
             check_size(0, depth)
-            self._least[kind] = 0  # of a type that has itself as a field
+            self._least[kind] = 0  # for a type that contains itself
             own = self._types[kind]
             self._least[kind] = sum(self._least_of(field, depth + 1) for field in own) if own else int(self.fields.cdr)
         return self._least[kind]
@@ -131,11 +131,11 @@ class _Decoder:
         return (1 if field.length is None else field.length) * self._least_bytes(field.type, depth)
 
 
-MAX_BYTES = 1 << 24  #: of one message: as objects of Python it may take thirty times as much memory
+MAX_BYTES = 1 << 24  #: of one message: as Python objects it may need thirty times the memory
 
 
 def tree_of_json(kind: str, data: bytes) -> Tree:
-    """Return the fields of a message by name, as :func:`mapper.io.contents.message_tree.tree_of` does.
+    """Return the fields of a message by name, like :func:`mapper.io.contents.message_tree.tree_of`.
 
     Raises :class:`ReadError` and :class:`LimitError`.
     """
@@ -166,7 +166,7 @@ class _Cutter:
         if isinstance(value, dict):
             return self.tree(value, depth + 1)
         if isinstance(value, list):
-            shown = value[:SHOWN] if self._values < MAX_SHOWN // 2 else []  # the rest is for what follows
+            shown = value[:SHOWN] if self._values < MAX_SHOWN // 2 else []  # reserve the rest for what follows
             return cut_list([self._value(item, depth + 1) for item in shown], len(value))
         return _text(value) if isinstance(value, str) else plain_number(value)
 
@@ -176,7 +176,7 @@ def _text(value: str) -> str:
 
 
 Decoder = Callable[[bytes], Tree]
-#: Kinds of definitions of ROS → what reads them.
+#: Kinds of ROS definitions → their parsers.
 _TEXTS: dict[str, Callable[[str, str], Definitions]] = {
     "ros1msg": definitions_of,
     "ros2msg": definitions_of,
@@ -186,7 +186,7 @@ _TEXTS: dict[str, Callable[[str, str], Definitions]] = {
 
 @dataclass(frozen=True, slots=True)
 class RawMessage:
-    """A message: its type, when it was recorded, its size, and its fields."""
+    """A message: its type, recording time, size, and fields."""
 
     type: str
     stamp_ns: int
@@ -195,10 +195,10 @@ class RawMessage:
 
 
 def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS) -> RawMessage:
-    """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
+    """Return the newest message of ``topic`` recorded at or before ``at_ns``; before the first, the first.
 
-    Raises :class:`ReadError` where there is none, or where it cannot be read with what the recording says of its type,
-    and :class:`LimitError`.
+    Raises :class:`ReadError` if there is none, or if it cannot be read with the recording's definition of its type, and
+    :class:`LimitError`.
     """
     message = message_at(path, topic, at_ns, limits, as_recorded=True)
     decode = decoder_of(topic, stated_in(path, (topic,), limits).get(topic))
@@ -206,10 +206,10 @@ def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIM
 
 
 def decoder_of(topic: str, stated: Stated | None) -> Decoder:
-    """Return what makes a tree of a message on a topic, by what the recording states of it.
+    """Return a function that converts a message on a topic to a tree, using the recording's definition.
 
-    Raises :class:`ReadError` where it states no definition, or one of a kind that is not read, and
-    :class:`LimitError`; so does the decoder for a message that is not as it is stated.
+    Raises :class:`ReadError` if there is no definition, or one of an unsupported kind, and :class:`LimitError`; so does
+    the function for a message that does not match.
     """
     if stated is None or not (stated.definition.strip() or stated.message_encoding == "json"):
         raise ReadError(
@@ -218,7 +218,7 @@ def decoder_of(topic: str, stated: Stated | None) -> Decoder:
             "index do not.",
         )
     kind = plain_type(stated.type)
-    if stated.message_encoding == "json":  # which names its fields
+    if stated.message_encoding == "json":  # names its fields itself
         return partial(tree_of_json, kind)
     form = stated.message_encoding, stated.definition_encoding
     if form == ("protobuf", "protobuf"):

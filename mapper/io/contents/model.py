@@ -1,4 +1,4 @@
-"""The contents of a recording: its topics, its transforms over time, and the series of numbers for plots."""
+"""Contents of a recording: its topics, its transforms over time, and the series of numbers for plots."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from mapper.io.logs.recording.poses3 import interpolated, poses_of
 from mapper.io.logs.ros.message_fields import Pose7
 from mapper.sensors.camera import Intrinsics, Lens
 
-#: The types of messages of which a picture can be made (:mod:`mapper.io.contents.pictures`).
+#: The message types that can be shown as pictures (:mod:`mapper.io.contents.pictures`).
 CAMERAS = frozenset({"sensor_msgs/Image", "sensor_msgs/CompressedImage"})
 PICTURED = CAMERAS | {"sensor_msgs/PointCloud2"}
 
 
 @dataclass(frozen=True, slots=True)
 class TopicContents:
-    """The messages of one topic and type. ``first_ns`` and ``last_ns`` are the earliest and latest time of recording.
+    """The messages of one topic and type. ``first_ns`` and ``last_ns`` are the earliest and latest recording times.
 
-    Both are 0 for messages without a time. ``bytes`` are those of the messages as they are serialised, without the
-    container's own.
+    Both are 0 for messages without a time. ``bytes`` is the total size of the serialised messages, without the
+    container's overhead.
     """
 
     name: str
@@ -42,18 +42,18 @@ class TopicContents:
 
     @property
     def rate_hz(self) -> float | None:
-        """Messages a second, on average over the span; None for fewer than two, or for messages without times."""
+        """Mean number of messages per second over the span; None for fewer than two, or for messages without times."""
         return (self.messages - 1) / self.span_s if self.messages > 1 and self.span_s > 0.0 else None
 
 
 @dataclass(frozen=True, slots=True)
 class FrameEdge:
-    """The transforms from ``child`` to ``parent`` on a topic: the times that they state, ascending, (n,) int64 ns.
+    """The transforms from ``child`` to ``parent`` on a topic: their stated times, ascending, (n,) int64 ns.
 
-    ``is_static`` where they were published on a topic of static transforms: such a transform is valid at all times.
-    ``pose`` is the last that was recorded, ``T_parent_child``: x, y, z, metres, and the quaternion x, y, z, w. Of one
-    that moves, ``poses`` (m, 7) are those at ``pose_stamps_ns`` (m,), ascending; in a long recording not all of them.
-    ``publishers`` are the nodes that published it, where the recording names them.
+    ``is_static`` if they were published on a topic of static transforms, which are valid at all times. ``pose`` is the
+    last recorded one, ``T_parent_child``: x, y, z, metres, and the quaternion x, y, z, w. For a moving one, ``poses``
+    (m, 7) are those at ``pose_stamps_ns`` (m,), ascending; in a long recording not all of them. ``publishers`` are the
+    nodes that published it, if recorded.
     """
 
     parent: str
@@ -72,14 +72,14 @@ class FrameEdge:
 
     @property
     def rate_hz(self) -> float | None:
-        """Transforms a second, on average; None for fewer than two."""
+        """Mean number of transforms per second; None for fewer than two."""
         span = (int(self.stamps_ns[-1]) - int(self.stamps_ns[0])) * 1e-9
         return (len(self.stamps_ns) - 1) / span if span > 0.0 else None
 
     def age_s(self, at_ns: int) -> float | None:
-        """Seconds since the newest transform that is not later than ``at_ns``; None before the first.
+        """Seconds since the newest transform not later than ``at_ns``; None before the first.
 
-        Of a static edge 0: tf2 takes it as valid at all times.
+        0 for a static edge, because tf2 considers it valid at all times.
         """
         if self.is_static:
             return 0.0
@@ -87,9 +87,9 @@ class FrameEdge:
         return None if index < 0 else (at_ns - int(self.stamps_ns[index])) * 1e-9
 
     def pose_at(self, at_ns: int) -> Pose7 | None:
-        """Return ``T_parent_child`` at a moment; None before the first transform.
+        """Return ``T_parent_child`` at a time; None before the first transform.
 
-        Between two transforms it is interpolated, as tf2 does; after the last, and of a static edge, it is the last.
+        It is interpolated between transforms, as in tf2; after the last, and for a static edge, it is the last.
         """
         stamps, poses = self.pose_stamps_ns, self.poses
         if self.is_static:
@@ -107,9 +107,10 @@ class FrameEdge:
         return (x, y, z, qx, qy, qz, qw)
 
     def ages(self, until_ns: int) -> Series:
-        """Return the age over time, seconds, of a transform that moves: it grows up to each, the last to ``until_ns``.
+        """Return the age over time, seconds, of a moving transform: it grows until the next one, finally to
+        ``until_ns``.
 
-        Two rows for each transform, just before it came and as it came.
+        There are two rows for each transform, just before and at its arrival.
         """
         stamps = np.append(self.stamps_ns, max(until_ns, int(self.stamps_ns[-1])))
         before = np.diff(stamps, prepend=stamps[0]).astype(np.float64) * 1e-9
@@ -119,9 +120,9 @@ class FrameEdge:
 
 @dataclass(frozen=True, slots=True)
 class CameraContents:
-    """What the CameraInfo on ``topic`` states first: the optical ``frame`` of the camera, and what it images.
+    """Contents of the first CameraInfo on ``topic``: the optical ``frame`` of the camera, and its intrinsics.
 
-    ``intrinsics`` are those of rectified images, ``lens`` is that of the others.
+    ``intrinsics`` are those of rectified images, ``lens`` that of the others.
     """
 
     topic: str
@@ -132,7 +133,7 @@ class CameraContents:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One number of a message over time: its label, its unit, and the plot that it is drawn in."""
+    """One number of a message over time: its label, unit, and plot."""
 
     label: str
     unit: str
@@ -143,7 +144,7 @@ class Column:
 class Series:
     """The numbers of one topic: ``values`` (n, columns) at ``stamps_ns`` (n,), ascending.
 
-    The stamps are those that messages state; with ``recorded`` those of their recording, where they state none.
+    The stamps are those stated by the messages; with ``recorded`` they are recording times, if none are stated.
     """
 
     topic: str
@@ -164,9 +165,9 @@ class Series:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """Contents of a recording. ``notes`` state what could not be read.
+    """Contents of a recording. ``notes`` are sentences on what could not be read.
 
-    ``lines`` are what nodes logged, ascending in time, and ``lines_left_out`` the number of those beyond the limit.
+    ``lines`` are the nodes' log lines, in time order, and ``lines_left_out`` the number beyond the limit.
     """
 
     topics: tuple[TopicContents, ...]

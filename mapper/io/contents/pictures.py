@@ -1,7 +1,7 @@
-"""One image or point cloud of a recording as a small picture.
+"""Small picture of one image or point cloud of a recording.
 
-Source: sensor_msgs/image_encodings.h (the encodings), sensor_msgs/CompressedImage. Pillow decodes JPEG and PNG. For a
-process with limits: what is decoded here was written by others.
+Source: sensor_msgs/image_encodings.h (the encodings), sensor_msgs/CompressedImage. Pillow decodes JPEG and PNG. To be
+run in a process with limits, because the data is untrusted.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-MAX_PIXELS = 1 << 26  #: of one image: more than any camera of a robot has
-SIDE = 640  #: pixels of a picture, at most
+MAX_PIXELS = 1 << 26  #: of one image: more than any robot's camera has
+SIDE = 640  #: maximum side of a picture in pixels
 CLOUD_SIDE = 480  #: pixels of a cloud's picture
 JPEG_QUALITY = 80
 
-#: Encoding → numpy type, channels, and which of them are red, green and blue (None: shades of grey).
+#: Encoding → numpy type, channels, and indices of red, green and blue (None: grey).
 PLAIN: dict[str, tuple[str, int, tuple[int, int, int] | None]] = {
     "rgb8": ("u1", 3, (0, 1, 2)),
     "bgr8": ("u1", 3, (2, 1, 0)),
@@ -39,21 +39,21 @@ PLAIN: dict[str, tuple[str, int, tuple[int, int, int] | None]] = {
     "16UC1": ("u2", 1, None),
     "32FC1": ("f4", 1, None),
 }
-#: The place of red, of both greens and of blue in each 2 × 2 pixels of a Bayer pattern, by row and column.
+#: Positions of red, of both greens and of blue in each 2 × 2 pixels of a Bayer pattern, by row and column.
 BAYER: dict[str, str] = {
     "bayer_rggb8": "rggb",
     "bayer_bggr8": "bggr",
     "bayer_gbrg8": "gbrg",
     "bayer_grbg8": "grbg",
 }
-#: Encoding → whether the luminance comes first in each pair of bytes.
+#: Encoding → whether the luminance is first in each pair of bytes.
 YUV: dict[str, bool] = {"yuv422": False, "yuv422_yuy2": True, "uyvy": False, "yuyv": True}
 
 
 def picture_of(kind: str, data: bytes, *, cdr: bool) -> tuple[bytes, str]:
-    """Return a message of type ``kind`` as a picture of at most :data:`SIDE` pixels a side, and its media type.
+    """Return a message of type ``kind`` as a picture of at most :data:`SIDE` pixels per side, and its media type.
 
-    Raises :class:`LimitError` for an image of absurd size, and :class:`ReadError` for one that cannot be decoded.
+    Raises :class:`LimitError` for an image of implausible size, and :class:`ReadError` for one that cannot be decoded.
     """
     try:
         return _DRAWN[kind](data, cdr=cdr)
@@ -93,7 +93,7 @@ def _image(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
 def _compressed(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
     fields = MessageFields(data, cdr=cdr)
     fields.header()
-    fields.string()  # the format, which the bytes say themselves
+    fields.string()  # the format, which is detected from the bytes
     values = fields.bytes()
     fields.end()
     from PIL import Image as Pillow  # noqa: PLC0415
@@ -102,14 +102,14 @@ def _compressed(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
     try:
         with Pillow.open(io.BytesIO(values), formats=("JPEG", "PNG")) as image:
             _check_size(*image.size)
-            image.draft("RGB", (SIDE, SIDE))  # of a JPEG a smaller one is decoded
+            image.draft("RGB", (SIDE, SIDE))  # a JPEG is decoded at reduced size
             return _jpeg(image if image.mode in ("L", "RGB") else image.convert("RGB"))
     except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Pillow.DecompressionBombError) as error:
         raise ReadError("picture.damaged", "The compressed image is not a JPEG or PNG that can be decoded.") from error
 
 
 def _cloud(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
-    """Draw a cloud from above, x up and y left as from behind the robot; lighter is higher."""
+    """Draw a cloud from above, x up and y left as seen from behind the robot; lighter is higher."""
     cloud = point_cloud(data, cdr=cdr)
     height, width = cloud.axes[0].shape
     _check_size(width, height)
@@ -133,7 +133,7 @@ def _cloud(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
     return out.getvalue(), "image/png"
 
 
-#: Each type of :data:`mapper.io.contents.model.PICTURED` → what makes a picture of one message.
+#: Each type of :data:`mapper.io.contents.model.PICTURED` → the function that draws one message.
 _DRAWN: dict[str, Callable[..., tuple[bytes, str]]] = {
     "sensor_msgs/Image": _image,
     "sensor_msgs/CompressedImage": _compressed,
@@ -161,20 +161,20 @@ def _rows(values: memoryview, height: int, per_row: int, step: int, kind: np.dty
 
 
 def _thinned(pixels: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Return every n-th row and column, so that at most twice :data:`SIDE` are left for Pillow to scale."""
+    """Return every n-th row and column, so that Pillow has at most twice :data:`SIDE` to scale."""
     every = max(1, -(-max(pixels.shape[:2]) // (2 * SIDE)))
     return pixels[::every, ::every]
 
 
 def _bayer(pixels: NDArray[np.generic], pattern: str) -> NDArray[np.generic]:
-    """Return a colour image (rows / 2, columns / 2, 3) of a Bayer pattern: each 2 × 2 pixels become one."""
+    """Return a colour image (rows / 2, columns / 2, 3) of a Bayer pattern, one pixel per 2 × 2 pixels."""
     even = pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2]
     parts = [even[0::2, 0::2], even[0::2, 1::2], even[1::2, 0::2], even[1::2, 1::2]]
     return np.stack([parts[pattern.index(colour)] for colour in "rgb"], axis=-1)
 
 
 def _grey(values: NDArray[np.generic]) -> NDArray[np.uint8]:
-    """Return shades of grey: bytes as they are, other numbers from their 1st to their 99th percentile."""
+    """Convert to grey: bytes unchanged, other numbers scaled from their 1st to their 99th percentile."""
     if values.dtype == np.uint8:
         return np.ascontiguousarray(values)
     numbers = values.astype(np.float32)

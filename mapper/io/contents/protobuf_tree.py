@@ -1,7 +1,8 @@
-"""Any message in Protocol Buffers as a tree of its fields, by the file descriptors that the recording carries.
+"""Any Protocol Buffers message as a tree of its fields, decoded with the recording's file descriptors.
 
-For a process with limits, as :mod:`mapper.io.contents.message_tree`. An enumeration is its number, a map the list of
-its keys and values. Source: google/protobuf/descriptor.proto; mcap.dev/spec/registry (schemas of kind ``protobuf``).
+To be run in a process with limits, like :mod:`mapper.io.contents.message_tree`. An enumeration is shown as its number,
+a map as a list of keys and values. Source: google/protobuf/descriptor.proto; mcap.dev/spec/registry (schemas of kind
+``protobuf``).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from mapper.io.contents.tree_values import MAX_SHOWN, SHOWN, Tree, check_size, c
 from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.protobuf import FIXED, VARYING, Field, Table, bytes_of, decoded, numbers, wire_fields
 
-#: Types of FieldDescriptorProto → kinds of fields. Groups, which proto2 gave up, are not read.
+#: Types of FieldDescriptorProto → kinds of fields. Groups, which proto2 deprecated, are not supported.
 _KINDS = {
     1: "double", 2: "float", 3: "int", 4: "uint", 5: "int", 6: "fixed64", 7: "fixed32", 8: "bool", 9: "string",
     12: "bytes", 13: "uint", 14: "int", 15: "sfixed32", 16: "sfixed64", 17: "sint", 18: "sint",
@@ -43,9 +44,9 @@ _Stated = Mapping[str, Any]  #: a descriptor
 
 
 def table_of(kind: str, definition: bytes) -> Table:
-    """Return the fields of the message ``kind``, as ``package.Type``, of a serialised FileDescriptorSet.
+    """Return the fields of the message ``kind``, such as ``package.Type``, of a serialised FileDescriptorSet.
 
-    Raises :class:`ReadError` for one that is none, that has not all the types that it names, or is too large.
+    Raises :class:`ReadError` for an invalid set, one with undefined types, or one that is too large.
     """
     if len(definition) > MAX_BYTES:
         raise ReadError("message.definition", f"The definition of {kind!r:.100} has more than {MAX_BYTES} bytes.")
@@ -85,13 +86,13 @@ def _field(message: str, stated: _Stated, tables: Mapping[str, Table], *, is_pro
         where = f"{message[1:]}.{name} is of {of}"
         raise ReadError("message.definition", f"The recording does not define every type: {where:.200}.")
     is_repeated = stated.get("label") == _REPEATED
-    # A number that is zero is left out by proto3, except of a field that is marked optional, or one of several.
+    # proto3 omits a zero, except for a field marked optional, or in a oneof.
     is_implied = is_proto3 and "oneof_index" not in stated and number != _MESSAGE_TYPE
     return Field(name, kind, is_repeated, implied=is_repeated or is_implied)
 
 
 def tree_of_protobuf(kind: str, table: Table, data: bytes) -> Tree:
-    """Return the fields of a message by name, as :func:`mapper.io.contents.message_tree.tree_of` does.
+    """Return the fields of a message by name, like :func:`mapper.io.contents.message_tree.tree_of`.
 
     Raises :class:`ReadError` and :class:`LimitError`.
     """
@@ -137,7 +138,7 @@ class _Decoder:
         return tree
 
     def _shown(self, field: Field, wire: int, value: int | bytes, depth: int, most: int) -> tuple[list[object], int]:
-        """Return the first ``most`` values of a field, and how many there are."""
+        """Return the first ``most`` values of a field, and the total number."""
         kind = field.kind
         if not isinstance(kind, str):
             raw = bytes_of(value)

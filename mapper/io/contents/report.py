@@ -1,7 +1,7 @@
-"""A small excerpt of a log that its owner can show to others: what it is made of, without what it measured.
+"""Small anonymous excerpt of a log for bug reports: its structure, without its measurements.
 
-It holds types, topics, frames, counts, limits, angles and the notes and the error of reading; of text logs the shape of
-their lines. Readings, positions, names of files, of folders, of users and of machines are not in it.
+It contains types, topics, frames, counts, limits, angles and the notes and the error of reading; for text logs the
+shape of their lines. Readings, positions, and names of files, folders, users and machines are not included.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ from mapper.io.logs.ros.ros_messages import POSES, SENSORS, TRANSFORMS, Beams, S
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog
 
-MOST_FIRST = 3  #: messages of a topic that are described
+MOST_FIRST = 3  #: described messages of a topic
 MOST_TOPICS, MOST_FRAMES, MOST_NOTES = 200, 20, 40
-MOST_LINES, MOST_TOKENS = 12, 24  #: lines of a text whose shape is stated, and groups of fields of each
+MOST_LINES, MOST_TOKENS = 12, 24  #: text lines with a described shape, and groups of fields of each
 HEAD_BYTES = 1 << 16
 MAGIC_BYTES = 12
-DIGITS = 2  #: significant ones of a limit or of a number in a note, so that none is a reading
-SHORTEST_NAME = 3  #: characters of a user, machine or folder that are looked for in notes
+DIGITS = 2  #: significant digits of a limit or of a number in a note, so that none is a reading
+SHORTEST_NAME = 3  #: minimum characters of a user, machine or folder name that is removed from notes
 
 Facts = dict[str, Any]
 
 
 def excerpt(path: Path, limits: Limits = DEFAULT_LIMITS) -> Facts:
-    """Return the excerpt of the log at ``path``, plain JSON, whether the log can be read or not."""
+    """Return the excerpt of the log at ``path``, plain JSON, even if the log cannot be read."""
     sink = _Excerpt()
     facts: Facts = {"files": _files(path, limits)}
     scrub = _scrubber(path)
@@ -90,7 +90,7 @@ class _Excerpt(MessageSink):
 
     @property
     def taken(self) -> int:
-        """No message is made anything of here."""
+        """Always 0, because no messages are used."""
         return 0
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
@@ -162,7 +162,7 @@ def _scan(kind: str, data: bytes, cdr: bool) -> Facts:
 
 
 def _readings(ranges: np.ndarray[Any, np.dtype[np.float32]], range_min: float, range_max: float) -> Facts:
-    """Return how many readings are of which kind; none of their values."""
+    """Return the numbers of readings by kind, without their values."""
     with np.errstate(invalid="ignore"):
         masks = {
             "measured": (ranges >= range_min) & (ranges <= range_max) & np.isfinite(ranges),
@@ -232,7 +232,7 @@ def _sensor(log: ScanLog) -> Facts:
 
 
 def _files(path: Path, limits: Limits) -> list[Facts]:
-    """Return what the files are, by their size, ending and first bytes; of a text the shape of its first lines."""
+    """Return a description of the files by size, extension and first bytes; for texts the shape of the first lines."""
     try:
         files, kind = parts_of(path, limits)
     except MapperError:
@@ -266,7 +266,7 @@ def _files(path: Path, limits: Limits) -> list[Facts]:
 
 
 def _shapes(head: bytes) -> list[str]:
-    """Return the shapes of the first lines of a text, each once: which fields are whole numbers, decimals or words."""
+    """Return the distinct shapes of the first lines of a text: which fields are integers, decimals or words."""
     shapes: Counter[str] = Counter()
     for line in head.split(b"\n")[:-1] or [head]:
         shape = _shape(line.decode("latin-1"))
@@ -297,27 +297,29 @@ def _kind(token: str, *, is_first: bool) -> str:
         pass
     else:
         return "decimal"
-    # The word that a line begins with tells what it is; any other may be a name.
+    # The first word of a line identifies it; any other may be a name.
     return token if is_first and re.fullmatch(r"#?[A-Z][A-Z0-9_]{2,29}", token) else "word"
 
 
 def _number(value: float, digits: int = DIGITS) -> float | str:
-    """Return a number with few digits; what JSON does not have as text."""
+    """Return a number with few digits, as a string if JSON lacks it."""
     return float(f"{value:.{digits}g}") if np.isfinite(value) else str(value)
 
 
 def _blurred(text: str) -> str:
-    """Return a sentence whose decimals have few digits, without what it quotes of the file."""
+    """Return a sentence with decimals rounded to few digits, without quotes from the file."""
     text = re.sub(r"'[^']*'|\"[^\"]*\"", "'…'", text)
     return re.sub(r"\d+\.\d+(?:e[-+]?\d+)?", lambda match: f"{float(match[0]):.{DIGITS}g}", text)
 
 
 def _scrubber(path: Path) -> Callable[[str], str]:
-    """Return what takes names of files, folders, users and machines out of a sentence, and blurs its numbers."""
+    """Return a function that removes names of files, folders, users and machines from a sentence, and rounds its
+    numbers.
+    """
     whole = path.resolve()
     files = [file.name for file in whole.iterdir()] if whole.is_dir() else []
     names = {str(whole), str(path), whole.name, whole.stem, *files, *whole.parts[1:-1]}
-    with contextlib.suppress(OSError, KeyError):  # of a user whom the system does not know
+    with contextlib.suppress(OSError, KeyError):  # for a user unknown to the system
         names |= {getpass.getuser(), socket.gethostname()}
     known = sorted((name for name in names if len(name) >= SHORTEST_NAME), key=len, reverse=True)
     pattern = re.compile("|".join(rf"(?<![\w/]){re.escape(name)}(?!\w)" for name in known)) if known else None

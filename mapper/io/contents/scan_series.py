@@ -1,6 +1,6 @@
-"""The motion and the readings of a log from scan to scan, as a series for plots.
+"""Motion and readings of a log per scan, as a series for plots.
 
-Source of the rates: finite differences of consecutive poses, as evo's ``speed`` plot takes them.
+Source of the rates: finite differences of consecutive poses, as in evo's ``speed`` plot.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from mapper.io.contents.model import Column, Series
 from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.scan import ScanLog
 
-BLOCK_READINGS = 1 << 22  #: readings that are classified at a time, so that the masks stay small
+BLOCK_READINGS = 1 << 22  #: readings classified at a time, so that the masks stay small
 
 SPEED = Column("speed", "m/s", "speed")
 TURN_RATE = Column("turn rate", "rad/s", "turn rate")
@@ -29,25 +29,24 @@ def has_times(log: ScanLog) -> bool:
 
 
 def plot_stamps(log: ScanLog) -> NDArray[np.int64]:
-    """Return the time of each scan in a plot (n_scans,), ns: its stamp; one second from scan to scan without times."""
+    """Return the plot time of each scan (n_scans,), ns: its stamp, or one second per scan without times."""
     return log.stamps_ns if has_times(log) else np.arange(log.n_scans, dtype=np.int64) * 1_000_000_000
 
 
 def plot_origin_ns(log: ScanLog) -> int:
-    """Return the time that is 0 s in plots of the scans."""
+    """Return the time of 0 s in plots of the scans."""
     return int(log.stamps_ns.min()) if has_times(log) else 0
 
 
 def scan_series(log: ScanLog, trajectory: str | None = None) -> Series:
-    """Return what each scan of a log measured and how the robot moved since the scan before it.
+    """Return the readings of each scan of a log, and the robot's motion since the previous scan.
 
-    Columns: speed (m/s) and turn rate (rad/s) of the base along ``trajectory`` (None: the default) since the scan
-    before, without sign and counter-clockwise; the share of a scan's beams with a measured range
-    (``range_min <= r <= range_max``), per cent; the distance between the two poses, m; the time between the two scans,
-    s. The first scan has no scan before it: NaN, as a rate over a time that does not pass or runs backwards. In order
-    of the scans' times. A log without times (:func:`has_times`) has one second from scan to scan as its stamps, the
-    turn (rad) in place of rates, and no intervals. Of a placeholder's poses nothing is told. Raises
-    :class:`mapper.core.errors.ConfigError` for a trajectory that the log lacks.
+    Columns: speed (m/s, unsigned) and turn rate (rad/s, counter-clockwise) of the base along ``trajectory`` (None: the
+    default) since the previous scan; the percentage of a scan's beams with a measured range (``range_min <= r <=
+    range_max``); the distance between the two poses, m; the time between the two scans, s. NaN for the first scan, and
+    for rates over a time that is zero or negative. The rows are in time order. A log without times (:func:`has_times`)
+    has stamps one second apart, the turn (rad) in place of rates, and no intervals. The poses of a placeholder are not
+    included. Raises :class:`mapper.core.errors.ConfigError` for a trajectory that the log lacks.
     """
     along = log.trajectory(trajectory)
     step_xy = np.diff(along.poses[:, :2], axis=0, prepend=np.nan)
@@ -72,7 +71,7 @@ def scan_series(log: ScanLog, trajectory: str | None = None) -> Series:
 
 
 def scan_columns(log: ScanLog, trajectory: str | None = None) -> tuple[Column, ...]:
-    """Return the columns of :func:`scan_series`. Raises as it does."""
+    """Return the columns of :func:`scan_series`. Raises the same errors."""
     is_timed = has_times(log)
     motion = (*((SPEED, TURN_RATE) if is_timed else (TURN,)), STEP)
     moves = () if log.trajectory(trajectory).is_placeholder else motion
@@ -84,7 +83,7 @@ def _differences(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _share_of_returns(log: ScanLog) -> NDArray[np.float64]:
-    """Return the share of each scan's beams that measured a range, (n_scans,), 0 … 1."""
+    """Return the fraction of each scan's beams with a measured range, (n_scans,), 0 to 1."""
     if isinstance(log, JointLog):  # the parts differ in their beams and limits
         shares = np.empty(log.n_scans)
         for number, part in enumerate(sensors_of(log)):

@@ -1,7 +1,7 @@
-"""The newest message of a topic at a moment, and the first of each, without reading what does not lead there.
+"""The newest message of a topic at a time, and the first of each topic, found by reading as little as possible.
 
-Of an MCAP file with a summary and of a ROS 1 bag with an index one chunk is read; of an SQLite bag one row. Any other
-recording is read from its beginning, in which other topics are jumped over.
+One chunk is read of an MCAP file with a summary or a ROS 1 bag with an index, and one row of an SQLite bag. Any other
+recording is read from its beginning, skipping other topics.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from mapper.io.logs.ros.ros_messages import plain_type
 
 @dataclass(frozen=True, slots=True)
 class FoundMessage:
-    """A message, of which type it is, whether it is CDR, and when it was recorded."""
+    """A message, its type, whether it is CDR, and its recording time."""
 
     stamp_ns: int
     type: str
@@ -41,7 +41,7 @@ class FoundMessage:
 
 @dataclass(frozen=True, slots=True)
 class Stated:
-    """How the messages of a topic are to be read, as the recording says: encodings, and the definition of the type."""
+    """How to read a topic's messages, as stated in the recording: encodings, and the definition of the type."""
 
     type: str
     message_encoding: str
@@ -50,11 +50,11 @@ class Stated:
 
 
 class _PastError(Exception):
-    """Nothing more is wanted."""
+    """No more messages are needed."""
 
 
 class _OfTopics(MessageSink):
-    """Takes messages of the topics that it :meth:`is_wanted`."""
+    """Collects the messages of the topics selected by :meth:`is_wanted`."""
 
     def __init__(self, *, as_recorded: bool) -> None:
         self.notes = []
@@ -63,18 +63,18 @@ class _OfTopics(MessageSink):
 
     @abstractmethod
     def is_wanted(self, topic: str) -> bool:
-        """Return whether messages of a topic are taken now."""
+        """Return whether messages of a topic are needed now."""
 
     @abstractmethod
     def keep(self, topic: str, message: FoundMessage) -> None:
-        """Take a message of a topic that is wanted. Raises :class:`_PastError` if nothing more is."""
+        """Store a message of a needed topic. Raises :class:`_PastError` if no more are needed."""
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
         """Announce a stream of messages."""
         self._streams[key] = (printable(topic), plain_type(kind), cdr) if readable else None
 
     def wants(self, key: int) -> bool:
-        """Return whether it is a stream of a topic that is wanted."""
+        """Return whether it is a stream of a needed topic."""
         stream = self._streams.get(key)
         return stream is not None and self.is_wanted(stream[0])
 
@@ -83,14 +83,14 @@ class _OfTopics(MessageSink):
         return key in self._streams
 
     def pass_over(self, key: int, count: int) -> None:
-        """Count nothing."""
+        """Do nothing."""
 
     def next_file(self) -> None:
         """Forget the streams of the file."""
         self._streams.clear()
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
-        """Take one message. Raises :class:`_PastError` if nothing more is wanted."""
+        """Process one message. Raises :class:`_PastError` if no more are needed."""
         stream = self._streams.get(key)
         if stream is not None and self.is_wanted(stream[0]):
             topic, kind, cdr = stream
@@ -98,7 +98,7 @@ class _OfTopics(MessageSink):
 
 
 class _Newest(_OfTopics):
-    """Keeps the newest message of a topic that is not later than a moment; where all are, the first."""
+    """Stores the newest message of a topic not later than a time, or the first if all are later."""
 
     def __init__(self, topic: str, at_ns: int, *, as_recorded: bool) -> None:
         super().__init__(as_recorded=as_recorded)
@@ -115,14 +115,14 @@ class _Newest(_OfTopics):
         return topic == self._topic
 
     def keep(self, topic: str, message: FoundMessage) -> None:  # noqa: ARG002 - there is one
-        """Take a message. Raises :class:`_PastError` for one that is later than the moment and not the first."""
+        """Store a message. Raises :class:`_PastError` for a later one, unless it is the first."""
         if message.stamp_ns > self._at_ns and self.found is not None:
             raise _PastError
         self.found = message
 
 
 class _Firsts(_OfTopics):
-    """Keeps the first message of each of some topics."""
+    """Stores the first message of each of some topics."""
 
     def __init__(self, topics: Collection[str]) -> None:
         super().__init__(as_recorded=True)
@@ -139,7 +139,7 @@ class _Firsts(_OfTopics):
         return topic in self._missing
 
     def keep(self, topic: str, message: FoundMessage) -> None:
-        """Take a message. Raises :class:`_PastError` with the last one."""
+        """Store a message. Raises :class:`_PastError` with the last one."""
         self.found[topic] = message
         self._missing.discard(topic)
         if not self._missing:
@@ -149,10 +149,10 @@ class _Firsts(_OfTopics):
 def message_at(
     path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS, *, as_recorded: bool = False
 ) -> FoundMessage:
-    """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
+    """Return the newest message of ``topic`` recorded at or before ``at_ns``; before the first, the first.
 
-    Where it is not wanted ``as_recorded``, in any serialisation, it is one of ROS, or made one.
-    Raises :class:`ReadError` where the recording has none, and as reading it does.
+    Unless ``as_recorded``, which allows any serialisation, it is a ROS message, converted if necessary. Raises
+    :class:`ReadError` if the recording has none, and the errors of reading it.
     """
     files, kind = parts_of(path, limits)
     if isinstance(kind, Container):
@@ -175,10 +175,9 @@ def no_messages(topic: str) -> ReadError:
 def first_messages(
     path: Path, topics: Collection[str], limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
 ) -> dict[str, FoundMessage]:
-    """Return the first message of each of ``topics`` that has one, in one pass, which ends when all are found.
+    """Return the first message of each of ``topics`` that has one, in one pass that ends when all are found.
 
-    The messages are as they were recorded: see :func:`unpacked`.
-    Raises as reading the recording does.
+    The messages are as recorded, see :func:`unpacked`. Raises the errors of reading the recording.
     """
     files, kind = parts_of(path, limits)
     if not isinstance(kind, Container):
@@ -192,10 +191,10 @@ def first_messages(
 
 
 def stated_in(path: Path, topics: Collection[str], limits: Limits = DEFAULT_LIMITS) -> dict[str, Stated]:
-    """Return how the recording at ``path`` says that messages are to be read, for each of ``topics`` of which it does.
+    """Return how to read the messages of each of ``topics``, as far as the recording at ``path`` states it.
 
-    Of a recording in parts, those up to the one where the last of them is found are read.
-    Raises :class:`ReadError` as reading it does.
+    The parts of a split recording are read up to the one with the last of them. Raises the :class:`ReadError` of
+    reading it.
     """
     files, kind = parts_of(path, limits)
     if not isinstance(kind, Container):
@@ -237,7 +236,7 @@ def _found_in(
     file: Source, kind: Container, topic: str, at_ns: int, limits: Limits, *, as_recorded: bool
 ) -> FoundMessage | None:
     if isinstance(file, Member) and file.unpacked is not None and kind is not ros2_db3.ROS2_DB3:
-        # An index leads back and forth, and back is slow there.
+        # Seeking by index goes back and forth, and back is slow there.
         return read_up_to(file, kind, topic, at_ns, limits, as_recorded=as_recorded)
     if kind is mcap_file.MCAP:
         try:
@@ -259,7 +258,7 @@ def _found_in(
 def read_up_to(
     file: Source, kind: Container, topic: str, at_ns: int, limits: Limits, *, as_recorded: bool = False
 ) -> FoundMessage | None:
-    """Return the newest message of ``topic`` at or before ``at_ns`` of a file that is read from its beginning.
+    """Return the newest message of ``topic`` at or before ``at_ns`` in a file read from its beginning.
 
     ``as_recorded`` is as for :func:`message_at`.
     """
@@ -288,8 +287,8 @@ def _by_index_of_mcap(
 
 
 def unpacked(message: FoundMessage, limits: Limits) -> FoundMessage:
-    """Return a message as it was before it was compressed, if it was. Raises :class:`ReadError` for damaged data."""
-    if message.data[:4] != ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+    """Return a message decompressed, if it was compressed. Raises :class:`ReadError` for damaged data."""
+    if message.data[:4] != ZSTD_MAGIC:  # rosbag2 can compress each message separately
         return message
     data, _ = inflate("zstd", message.data, limits.max_chunk_bytes, "a message")
     return FoundMessage(message.stamp_ns, message.type, message.cdr, data)

@@ -1,8 +1,8 @@
-"""The messages that are plotted over time, decoded to a row of numbers each.
+"""Messages plotted over time, each decoded to a row of numbers.
 
 The speeds of an odometry whose messages state none, as drivers that measure none leave them at zero, are those of its
 poses. Source: the definitions of sensor_msgs/Imu, sensor_msgs/BatteryState, nav_msgs/Odometry, whose twist is in the
-frame of the base, geometry_msgs/Twist and geometry_msgs/TwistStamped, of ROS 1 and ROS 2.
+frame of the base, geometry_msgs/Twist and geometry_msgs/TwistStamped, in ROS 1 and ROS 2.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mapper.io.logs.ros.ros_messages import imu
 
 ODOMETRY = "nav_msgs/Odometry"
 
-Row = tuple[int, list[float]]  #: the stamp that the message states, ns, 0 for none, and its numbers
+Row = tuple[int, list[float]]  #: the stamp stated by the message, ns, 0 for none, and its numbers
 
 
 def _imu(data: bytes, *, cdr: bool) -> Row:
@@ -65,7 +65,7 @@ def _battery(data: bytes, *, cdr: bool) -> Row:
     except BadMessageError:
         if cdr:
             raise
-        return _battery_of(data, cdr=cdr, has_temperature=False)  # as ROS 1 defined it before Noetic
+        return _battery_of(data, cdr=cdr, has_temperature=False)  # as defined by ROS 1 before Noetic
 
 
 def _battery_of(data: bytes, *, cdr: bool, has_temperature: bool) -> Row:
@@ -104,7 +104,7 @@ class PlottedType:
     decode: Callable[..., Row]
 
 
-#: Type, without the ``msg`` that ROS 2 puts in the middle → what is plotted of it.
+#: Type, without the ``msg`` inserted by ROS 2 → its plotted fields.
 PLOTTED: dict[str, PlottedType] = {
     "sensor_msgs/Imu": PlottedType(
         (
@@ -137,12 +137,12 @@ PLOTTED: dict[str, PlottedType] = {
 }
 
 
-MOST = 3.0e38  #: a speed beyond it does not fit into float32
-FROM_POSES = "from poses"  #: behind the names of such speeds
+MOST = 3.0e38  #: larger speeds do not fit into float32
+FROM_POSES = "from poses"  #: suffix of the names of such speeds
 
 
 def states_speeds(rows: Float64Array) -> bool:
-    """Return whether an odometry states speeds, or never moves.
+    """Return whether odometry states speeds, or never moves.
 
     ``rows`` (n, 6) are forward and sideways (m/s), turning (rad/s), x and y (m), yaw (rad) of each message.
     """
@@ -151,14 +151,14 @@ def states_speeds(rows: Float64Array) -> bool:
 
 
 def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Array:
-    """Return forward and sideways (m/s) and turning (rad/s), (n, 3), of poses (n, 3) since the one before.
+    """Return forward and sideways (m/s) and turning (rad/s) speeds, (n, 3), of poses (n, 3) since the previous one.
 
-    ``stamps_ns`` (n,) ascend. NaN for the first pose, for a pose at the time of the one before, and for speeds above
+    ``stamps_ns`` (n,) ascend. NaN for the first pose, for a pose at the time of the previous one, and for speeds above
     :data:`MOST`.
     """
     seconds = np.diff(stamps_ns) * 1e-9
     moved = compose(inverse(poses[:-1]), poses[1:])
-    # On an arc the robot moves along the mean of its two headings.
+    # On an arc the robot moves along the mean of the two headings.
     half = 0.5 * moved[:, 2]
     cos, sin = np.cos(half), np.sin(half)
     x, y = moved[:, 0], moved[:, 1]
@@ -171,5 +171,5 @@ def pose_speeds(stamps_ns: NDArray[np.int64], poses: Float64Array) -> Float64Arr
 
 
 def from_poses(columns: tuple[Column, ...]) -> tuple[Column, ...]:
-    """Return the columns of an odometry with the names of speeds that are those of its poses."""
+    """Return the columns of odometry with the names of speeds computed from its poses."""
     return tuple(replace(column, label=f"{column.label} {FROM_POSES}") for column in columns[:3]) + columns[3:]

@@ -1,4 +1,4 @@
-"""Export besides map files: a log and its map for other viewers, and the robot's trajectory."""
+"""Exports other than map files: a log with its map for other viewers, and the robot's trajectory."""
 
 from typing import TYPE_CHECKING
 
@@ -11,5 +11,5 @@ if TYPE_CHECKING:
 
 __all__ = ["GrowingMap", "tum_lines", "tum_text", "write_mcap"]
 
-# The library of MCAP, and the kernels of mapping, are imported with the first export.
+# The MCAP library and the mapping kernels are imported on the first export.
 __getattr__ = imported_later(__name__, __file__)

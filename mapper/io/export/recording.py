@@ -1,4 +1,4 @@
-"""A log and its map as an MCAP file of ROS 2 messages, which Foxglove, Lichtblick and Rerun open, and ROS 2 plays.
+"""A log and its map as an MCAP file of ROS 2 messages, for Foxglove, Lichtblick, Rerun and ROS 2.
 
 | topic | type | |
 |---|---|---|
@@ -10,11 +10,11 @@
 | ``/points`` | sensor_msgs/PointCloud2 | where its beams ended, for viewers that draw no LaserScan (Rerun) |
 | ``/sonar_0`` … | sensor_msgs/Range | the sonars of a log that has them, each in a frame of its own |
 
-The scans of several sensors are on the topics that they had in the recording, and their points on ``<topic>/points``.
+The scans of several sensors are on the topics of the recording, and their points on ``<topic>/points``.
 
-Frames have the names that the log and its trajectory state: poses of odometry are odom → base_link, and the map that
-was made with them is in odom. A log without poses gets neither ``/tf`` nor ``/pose``, and its map is in the base's
-frame. ``/map`` and ``/tf_static`` are latched (transient local): a late subscriber receives the last one.
+Frames have the names stated by the log and its trajectory: odometry poses are odom → base_link, and the map made with
+them is in odom. A log without poses has neither ``/tf`` nor ``/pose``, and its map is in the base frame. ``/map`` and
+``/tf_static`` are latched (transient local): a late subscriber receives the last message.
 
 Source: mcap.dev/spec, and its registry on the ``ros2`` profile; REP 105 (frames).
 """
@@ -49,8 +49,8 @@ class ExportedSensor:
     """One planar sensor: ``poses`` (n_scans, 3) are ``T_map_base`` at its scans.
 
     ``scan`` and ``points`` name the topics of a lidar, ``sonars`` and ``sonar_frames`` (n_beams,) the topics and frames
-    of sonars. ``plan`` is that of the map, None where no beams are deskewed; ``rays`` (n_beams, 2) are the directions
-    of the beams in the sensor's frame.
+    of sonars. ``plan`` is that of the map, None if no beams are deskewed; ``rays`` (n_beams, 2) are the directions of
+    the beams in the sensor's frame.
     """
 
     log: ScanLog
@@ -65,13 +65,13 @@ class ExportedSensor:
     rays: NDArray[np.float64]
 
     def moves_on(self, base: str) -> bool:
-        """Return whether the sensor moves on the robot, whose frame is ``base``."""
+        """Return whether the sensor moves on the robot, whose base frame is ``base``."""
         return self.log.mounts is not None and self.frame != base
 
     def ends(self, index: int) -> NDArray[np.float64]:
-        """Return where the beams of a scan end (n_beams, 2), metres in the sensor's frame at the scan's stamp.
+        """Return the endpoints of a scan's beams (n_beams, 2), metres in the sensor's frame at the scan's stamp.
 
-        That is the sensor's place for readings that are no distance.
+        For readings that are not distances it is the sensor's position.
         """
         ranges, rays = self.log.ranges[index], self.rays
         if self.plan is not None:
@@ -84,12 +84,12 @@ class ExportedSensor:
 def exported_sensors(
     log: ScanLog, trajectory: str | None, config: MappingConfig | None, taken: Collection[str]
 ) -> list[ExportedSensor]:
-    """Return the sensors of a log with names of their own.
+    """Return the sensors of a log with unique names.
 
-    One sensor's topics are ``/scan`` and ``/points``, or ``/sonar_0`` …; those of several are named as they were in the
-    recording, apart from what is not allowed in a name and from the names that are ``taken``. The parts of one lidar
-    that was switched, which are in the log's order, share its names. ``config`` is that of the map in which the scans
-    are to lie, if there is one.
+    The topics of a single sensor are ``/scan`` and ``/points``, or ``/sonar_0`` …; those of several are named as in the
+    recording, except for characters not allowed in a name and for names already ``taken``. The parts of one switched
+    lidar, which are in the log's order, share its names. ``config`` is that of the map in which the scans are to be
+    placed, if there is one.
     """
     if not isinstance(log, JointLog):
         names = [f"/sonar_{i}" for i in range(log.n_beams)]
@@ -101,7 +101,7 @@ def exported_sensors(
         topic = _unused(f"/{plain}", number, topics) if len(sensors) > 1 else "/scan"
         frame = _unused(sensor.frame_id, number, frames)
         points = _unused(f"{topic}/points", number, topics) if len(sensors) > 1 else "/points"
-        for index in np.unique(log.part_of_scan[scans]).tolist():  # of a lidar that was switched
+        for index in np.unique(log.part_of_scan[scans]).tolist():  # of a switched lidar
             part = log.parts[index]
             sonars = [f"{topic}_{i}" for i in range(part.n_beams)] if part.n_beams > 1 else [topic]
             exported[index] = _sensor(part, trajectory, config, frame, topic, points, sonars)
@@ -109,7 +109,7 @@ def exported_sensors(
 
 
 def _unused(name: str, number: int, used: set[str]) -> str:
-    """Return a name that is not ``used`` yet, and add it to those."""
+    """Return a name not yet ``used``, and add it to those."""
     while name in used:
         name = f"{name}_{number}"
     used.add(name)
@@ -126,7 +126,7 @@ def _sensor(
     sonars: Sequence[str],
 ) -> ExportedSensor:
     poses, plan = log.trajectory(trajectory).poses, None
-    if config is not None:  # scans lie where they lie in that map
+    if config is not None:  # place the scans as in that map
         plan = without_mount_correction(plan_update(config, log.range_min, log.range_max))
         poses = base_poses(log, plan, trajectory)
         plan = plan if is_deskewed(log, plan, trajectory) else None
@@ -140,16 +140,16 @@ def _sensor(
 
 
 LAST_STAMP_NS = ros2.LAST_STAMP_NS
-BETWEEN_NS = SECOND // 10  #: two scans of a log without times
+BETWEEN_NS = SECOND // 10  #: between two scans of a log without times
 LATCHED = frozenset({"/map", "/tf_static"})
-_OWN = (*LATCHED, "/tf", "/pose")  #: topics that no sensor's scans go to
+_OWN = (*LATCHED, "/tf", "/pose")  #: topics not used for sensors
 
 
 def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return a time for each scan (n,) that every player takes: rising from 0 or later, and within 32 bits of seconds.
+    """Return a time for each scan (n,) that every player accepts: ascending from 0 or later, within 32 bits of seconds.
 
-    Times that are so already stay. A step back waits until the clock has caught up; a clock that began elsewhere is
-    set to begin at 0; a log without times gets ten scans a second.
+    Valid times are kept. A step back waits until the clock has caught up; a clock with another epoch is shifted to
+    start at 0; a log without times gets ten scans per second.
     """
     if len(stamps_ns) == 0:
         return stamps_ns
@@ -157,7 +157,7 @@ def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
         return np.arange(len(stamps_ns), dtype=np.int64) * BETWEEN_NS
     rising = np.maximum.accumulate(stamps_ns)
     if rising[0] < 0 or rising[-1] > LAST_STAMP_NS:
-        span = rising.view(np.uint64) - rising[:1].view(np.uint64)  # unsigned: it need not fit a signed number
+        span = rising.view(np.uint64) - rising[:1].view(np.uint64)  # unsigned: it may not fit into a signed integer
         rising = np.minimum(span, np.uint64(LAST_STAMP_NS)).astype(np.int64)
     return rising
 
@@ -169,10 +169,10 @@ def write_mcap(
     trajectory: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> None:
-    """Write ``log``, of one sensor or of several, with one of its trajectories, and the map as it grows, to ``file``.
+    """Write ``log``, of one or several sensors, with one of its trajectories, and the growing map, to ``file``.
 
-    ``progress`` is called with the share that is done, 0 … 1; what it raises ends the writing. Raises
-    :class:`ConfigError` for a trajectory that the log lacks.
+    ``progress`` is called with the fraction done, 0 to 1, and may raise to cancel writing. Raises :class:`ConfigError`
+    for a trajectory that the log lacks.
     """
     exported = log.trajectory(trajectory)
     frame, base = exported.frame_id or "map", exported.child_frame_id
@@ -221,7 +221,7 @@ def write_mcap(
 def _mounts(sensor: ExportedSensor, base: str) -> list[tuple[str, str, Pose, bool]]:
     """Return the edges (parent, child, ``T_parent_child``, upside-down) from the base to a sensor and to its sonars.
 
-    Without the edge of a sensor that moves, which is stated at each scan.
+    The edge of a moving sensor is omitted, because it is written at each scan.
     """
     log, frame = sensor.log, sensor.frame
     edges = [] if base == frame or sensor.moves_on(base) else [(base, frame, log.mount, log.upside_down)]
@@ -232,7 +232,7 @@ def _mounts(sensor: ExportedSensor, base: str) -> list[tuple[str, str, Pose, boo
 
 
 def _send_scan(topics: Topics, sensor: ExportedSensor, index: int, stamp: int) -> None:
-    """Write one scan as the sensor took it, an upside-down one's beams are turned by its frame; and its end points."""
+    """Write one scan as measured (the frame flips that of an upside-down sensor), and its endpoints."""
     log = sensor.log
     ranges = log.ranges[index]
     scan = LaserScan(

@@ -1,8 +1,8 @@
-"""The ROS 2 messages that logs, maps and costmaps are exported as: definitions, and serialisation (CDR, little-endian).
+"""ROS 2 messages for exported logs, maps and costmaps: definitions, and serialisation (CDR, little-endian).
 
 Source: the message definitions of ROS 2 (nav_msgs, nav2_msgs, sensor_msgs, geometry_msgs, tf2_msgs, std_msgs,
-builtin_interfaces); OMG DDSI-RTPS, 10. A definition that is embedded in a file names the messages that it is made of
-after a line of 80 ``=``: mcap.dev/spec/registry, ros2msg.
+builtin_interfaces); OMG DDSI-RTPS, 10. A definition embedded in a file contains the definitions it uses, each after a
+line of 80 ``=``: mcap.dev/spec/registry, ros2msg.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mapper.sensors.scan import LaserScan
 
 LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
 Pose = tuple[float, float, float]  #: x, y, yaw
-_FLOAT32 = 7  #: as sensor_msgs/PointField counts the types of numbers
+_FLOAT32 = 7  #: number type of sensor_msgs/PointField
 
 _PARTS = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
@@ -69,7 +69,7 @@ _MESSAGES = {
 
 
 def definition(kind: str) -> str:
-    """Return the definition of a message type, with all that it is made of."""
+    """Return the definition of a message type, including all definitions it uses."""
     text = _MESSAGES[kind]
     named: list[str] = []
     lines = text.splitlines()
@@ -87,7 +87,7 @@ class _Bytes(CdrWriter):
     def pose(self, pose: Pose, *, z: float = 0.0, upside_down: bool = False) -> _Bytes:
         x, y, yaw = pose
         sin, cos = float(np.sin(yaw / 2.0)), float(np.cos(yaw / 2.0))
-        # Turned over about its x axis first, then about z.
+        # First flipped about its x axis, then rotated about z.
         turn = (cos, sin, 0.0, 0.0) if upside_down else (0.0, 0.0, sin, cos)
         return self.pack("d", 8, x, y, z, *turn)
 

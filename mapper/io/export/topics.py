@@ -1,4 +1,4 @@
-"""Topics of an MCAP file that is written."""
+"""Topics of an MCAP file being written."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from mapper.io.export import ros2
 
 
 class Topics:
-    """The channels of a file, registered when the first message comes.
+    """The channels of a file, registered with their first message.
 
-    ``latched`` are the topics that are kept for late subscribers.
+    ``latched`` are the topics kept for late subscribers.
     """
 
     def __init__(self, writer: Writer, latched: frozenset[str]) -> None:
@@ -29,9 +29,9 @@ class Topics:
 
 
 def _quality(*, latched: bool) -> str:
-    """Return how a topic was offered, as rosbag2 writes it down: numbers, which its older and newer versions read.
+    """Return the QoS profile of a topic in rosbag2's notation: numbers, which its older and newer versions read.
 
-    Kept are the last one where it is latched, else the last ten; reliable; no deadlines.
+    History: the last message if latched, else the last ten; reliable; no deadlines.
     """
     forever = "{sec: 9223372036, nsec: 854775807}"
     return (

@@ -1,4 +1,4 @@
-"""A trajectory in the format of the TUM RGB-D benchmark, which evo and many others read.
+"""A trajectory in the format of the TUM RGB-D benchmark, as read by evo and many others.
 
 Source: the benchmark's file formats: ``timestamp tx ty tz qx qy qz qw``, seconds, metres, a unit quaternion.
 """
@@ -14,16 +14,16 @@ from mapper.sensors.scan import ScanLog
 
 
 def tum_text(log: ScanLog, trajectory: str | None = None) -> str:
-    """Return where the robot's base was at each scan, a line a scan, in the file's order and with its stamps.
+    """Return the pose of the robot's base at each scan, one line per scan, in file order and with its stamps.
 
-    Poses that are not known, as before a filter has found the robot, are left out. Raises :class:`ConfigError` for a
-    trajectory that the log lacks.
+    Unknown poses, such as before localization has converged, are omitted. Raises :class:`ConfigError` for a trajectory
+    that the log lacks.
     """
     return "".join(tum_lines(log, trajectory))
 
 
 def tum_lines(log: ScanLog, trajectory: str | None = None) -> Iterator[str]:
-    """Return the lines of :func:`tum_text`, each made when it is asked for. Raises as that does."""
+    """Return an iterator over the lines of :func:`tum_text`. Raises the same errors."""
     exported = log.trajectory(trajectory)
     half = exported.poses[:, 2] / 2.0
     known = itertools.repeat(True) if exported.is_known is None else exported.is_known
@@ -35,6 +35,6 @@ def tum_lines(log: ScanLog, trajectory: str | None = None) -> Iterator[str]:
 
 
 def _seconds(stamp_ns: int) -> str:
-    """Return nanoseconds as seconds, to the last digit, which a float would not keep."""
+    """Return nanoseconds as seconds with all digits, without the precision loss of a float."""
     whole, rest = divmod(abs(stamp_ns), 1_000_000_000)
     return f"{'-' if stamp_ns < 0 else ''}{whole}.{rest:09d}"

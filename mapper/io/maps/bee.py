@@ -51,7 +51,10 @@ def _start(path: Path, count: int) -> bytes:
 def read_bee_map(
     path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS
 ) -> tuple[GridGeometry, NDArray[np.int8]]:
-    """Return the geometry of a map, and its cells (rows, cols) int8 as in nav_msgs: 0 … 100, −1 unknown."""
+    """Return the geometry of a map, and its cells (rows, cols) int8 as in nav_msgs: 0 … 100, −1 unknown.
+
+    Raises :class:`ReadError` for a file that is damaged or incomplete, and :class:`LimitError` for one too large.
+    """
     place = Path(path)
     try:
         head = _start(place, _HEAD_BYTES)

@@ -1,4 +1,7 @@
-"""PGM and PNG images as pieces of bytes, generated from bands of rows: a large image is never held in memory."""
+"""PGM and PNG images as pieces of bytes, generated from bands of rows: a large image is never held in memory.
+
+Source: netpbm's description of PGM; PNG specification, third edition (chunks, section 5; filter type 0, section 9).
+"""
 
 from __future__ import annotations
 

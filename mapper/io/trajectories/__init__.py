@@ -1,4 +1,4 @@
-"""Readers of trajectories and of relations between places, which belong to a log but are no logs."""
+"""Readers of trajectories and of relations between places, which accompany logs."""
 
 from mapper.io.trajectories.joining import poses_at_all_scans, with_trajectory
 from mapper.io.trajectories.relations import read_relations

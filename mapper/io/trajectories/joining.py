@@ -1,4 +1,4 @@
-"""A trajectory from another program as one more trajectory of a log."""
+"""Addition of a trajectory from another program to a log."""
 
 from __future__ import annotations
 
@@ -16,16 +16,14 @@ from mapper.sensors.timed_poses import TimedPoses
 
 
 def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.float64], list[str]]:
-    """Return ``poses`` at every scan of ``log`` (n_scans, 3), m and rad, in their own frame, and what is to be noted.
+    """Return ``poses`` at every scan of ``log`` (n_scans, 3), m and rad, in their own frame, and notes.
 
-    Poses as many as the scans and with their stamps are taken scan by scan, others are interpolated, as
-    :func:`mapper.io.trajectories.with_trajectory` does, by the clock of the scans where the readings contradict their
-    stamps (:mod:`mapper.io.logs.pose_clocks`). Scans before the first or after the last pose continue the
-    trajectory as the log's own poses move there: the transform between the two frames (map → odom of REP 105) stays
-    what it is at the nearest scan that has a pose.
-
-    Raises :class:`ConfigError` where no scan lies within the poses' time, and where some lie outside of it and the log
-    has no poses of its own.
+    If there are as many poses as scans, with equal stamps, they are assigned scan by scan; otherwise they are
+    interpolated as in :func:`mapper.io.trajectories.with_trajectory`, by the clock of the scans if the readings
+    contradict their stamps (:mod:`mapper.io.logs.pose_clocks`). Scans before the first or after the last pose continue
+    the trajectory with the motion of the log's own poses: the transform between the two frames (map → odom of REP 105)
+    is that at the nearest scan with a pose. Raises :class:`ConfigError` if no scan is within the poses' time, and if
+    some are outside it and the log has no poses of its own.
     """
     if is_scan_by_scan(log, poses):
         return poses.poses, []
@@ -55,20 +53,19 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
     return at_scans, [*notes, note]
 
 
-TUM = "tum"  #: name of the trajectory that a TUM file is in a log
-SAME_NS = 1_000  #: stamps that differ by no more are the same, written with six digits or more
-FAR_S = 1.0  #: seconds: a scan that is farther from every pose than this is noted
+TUM = "tum"  #: name of the trajectory from a TUM file
+SAME_NS = 1_000  #: stamps that differ by no more are equal, written with six or more digits
+FAR_S = 1.0  #: seconds: scans farther from every pose are noted
 
 
 def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog:
-    """Return ``log`` with ``poses`` of its base as the trajectory ``name``, its first, so that it is the default.
+    """Return ``log`` with ``poses`` of its base as the trajectory ``name``, as its first and therefore default one.
 
-    Poses as many as the scans and with their stamps, to a microsecond, are taken scan by scan. Others are interpolated
-    at the scans' stamps, linear in position and the short way round in angle, and scans before the first or after the
-    last pose are left out of the log; a note says how many, and how many scans lie far from any pose. The trajectory's
-    fixed frame is not known (None). What stood for the poses that the log lacked is left out, with the note on it.
-
-    Raises :class:`ConfigError` where the log has a trajectory of this name, and where no scan lies within the poses'
+    If there are as many poses as scans, with stamps equal to a microsecond, they are assigned scan by scan. Otherwise
+    they are interpolated at the scans' stamps, linearly in position and along the shorter arc in angle, and scans
+    before the first or after the last pose are removed from the log; a note states how many, and how many scans are far
+    from any pose. The trajectory's fixed frame is unknown (None). A placeholder for missing poses is removed, with its
+    note. Raises :class:`ConfigError` if the log has a trajectory of this name, and if no scan is within the poses'
     time.
     """
     if name in log.trajectories:
@@ -88,7 +85,7 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
 
 
 def _by_the_clock_of_scans(log: ScanLog, poses: TimedPoses, name: str) -> tuple[TimedPoses, list[str]]:
-    """Return poses that are stamped late or early as the readings have it, and a note then."""
+    """Return poses corrected for late or early stamps according to the readings, and a note in that case."""
     longest = max(sensors_of(log), key=lambda part: part.n_scans)
     trajectory = Trajectory(poses.at(longest.stamps_ns), timed=poses, offset=poses.offset)
     alone = replace(longest, trajectories={name: trajectory})
@@ -99,12 +96,12 @@ def _by_the_clock_of_scans(log: ScanLog, poses: TimedPoses, name: str) -> tuple[
 
 
 def is_scan_by_scan(log: ScanLog, poses: TimedPoses) -> bool:
-    """Return whether ``poses`` are as many as the scans of ``log``, with the same stamps in the same order."""
+    """Return whether there are as many ``poses`` as scans of ``log``, with equal stamps in the same order."""
     return len(poses) == log.n_scans and bool((np.abs(poses.stamps_ns - log.stamps_ns) <= SAME_NS).all())
 
 
 def cut_to(log: ScanLog, poses: TimedPoses) -> tuple[ScanLog, list[str]]:
-    """Return the scans of ``log`` within the time of ``poses``, and what is to be noted. Raises as above."""
+    """Return the scans of ``log`` within the time of ``poses``, and notes. Raises the errors above."""
     inside = poses.covers(log.stamps_ns)
     outside = int(np.count_nonzero(~inside))
     if outside == log.n_scans:
@@ -123,7 +120,7 @@ def cut_to(log: ScanLog, poses: TimedPoses) -> tuple[ScanLog, list[str]]:
 
 
 def time_error(log: ScanLog, poses: TimedPoses) -> ConfigError:
-    """Return the error for poses in whose time no scan of ``log`` lies."""
+    """Return the error for poses whose time contains no scan of ``log``."""
     return ConfigError(
         "trajectory.time",
         f"No scan is within the time of the trajectory: its poses are from {_span(poses.stamps_ns)}, the scans from "
@@ -132,7 +129,7 @@ def time_error(log: ScanLog, poses: TimedPoses) -> ConfigError:
 
 
 def _to_nearest_ns(stamps_ns: NDArray[np.int64], of_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return how far each of ``stamps_ns`` (n,) is from the nearest of ``of_ns`` (m,), ns."""
+    """Return the distance of each of ``stamps_ns`` (n,) from the nearest of ``of_ns`` (m,), ns."""
     known = np.sort(of_ns)
     after = np.searchsorted(known, stamps_ns)
     low, high = known[np.clip(after - 1, 0, None)], known[np.clip(after, None, len(known) - 1)]

@@ -1,7 +1,7 @@
-"""The lines of numbers that trajectories and relations are: as many on each, with remarks after ``#``.
+"""Lines of numbers in trajectories and relations: equally many on each, with comments after ``#``.
 
-As programs write it, blanks stand between the values; tables have commas, semicolons or tabs there, and in some
-countries decimal commas. The first line of numbers tells which of them a file has.
+Programs separate the values by blanks; tables use commas, semicolons or tabs, and in some locales decimal commas. The
+first line of numbers determines the variant.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from mapper.io.logs.foreign import TRAJECTORIES, trajectory_format
 from mapper.io.logs.text import fields
 from mapper.io.logs.text.lines import TextLines
 
-_UNIT = re.compile(r"\s*[\[(](?:s|sec|ns|m|)[\])]$|\s*_(?:s|ns|m)$")  #: after the name of a column
+_UNIT = re.compile(r"\s*[\[(](?:s|sec|ns|m|)[\])]$|\s*_(?:s|ns|m)$")  #: unit after a column name
 
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """What separates the values of a line, None blanks, and whether their decimals follow a comma."""
+    """Separator of the values of a line, None for blanks, and whether it has decimal commas."""
 
     separator: str | None
     has_decimal_commas: bool
 
     @classmethod
     def of(cls, line: str, count: int) -> _Layout:
-        """Return the layout by a line of numbers, in which at least ``count`` values are expected."""
+        """Return the layout of a line of numbers with at least ``count`` values."""
         if ";" in line:
             return cls(";", "," in line)
         words = line.split()
@@ -47,12 +47,12 @@ class _Layout:
 def rows(
     path: Source, limits: Limits, kind: str, columns: str, synonyms: Mapping[str, str] | None = None
 ) -> Iterator[tuple[int, list[str]]]:
-    """Yield the number and the tokens of each line of the file at ``path``, plain or packed.
+    """Yield the number and the tokens of each line of the file at ``path``, plain or compressed.
 
-    ``columns`` names the values of a line, one word each, and ``kind`` says whose line it is, for the errors. A line
-    before the numbers that names all columns, as a remark or not, by these words or ``synonyms`` of them, may have them
-    in another order, and others among them. Raises :class:`ReadError`, naming the line, for another number of values,
-    for packed data that is damaged and for a file that cannot be opened, and :class:`LimitError`.
+    ``columns`` names the values of a line, one word each, and ``kind`` describes the lines in errors. A line before the
+    numbers, comment or not, that names all columns by these words or ``synonyms`` may define another order, with
+    additional columns. Raises :class:`ReadError`, naming the line, for another number of values, for damaged compressed
+    data and for a file that cannot be opened, and :class:`LimitError`.
     """
     lines = TextLines(path, limits)
     names = columns.split()
@@ -79,7 +79,7 @@ def rows(
 
 
 def _columns_named(line: str, columns: Sequence[str], synonyms: Mapping[str, str]) -> tuple[list[int], int] | None:
-    """Return where the wanted columns stand in a line that names them all, and how many it names; None of others."""
+    """Return the positions of the columns in a line that names them all, and how many it names; None for others."""
     line = line.lstrip("#% ")
     separator = next((sign for sign in ",;\t" if sign in line), None)
     names = [_UNIT.sub("", name.strip(' "').lower()) for name in line.split(separator)]
@@ -90,7 +90,7 @@ def _columns_named(line: str, columns: Sequence[str], synonyms: Mapping[str, str
 
 
 def _why_not(tokens: Sequence[str], text: bytes, kind: str, n_values: int, columns: str) -> str:
-    """Return what a line has that has not ``n_values`` values."""
+    """Return what a line has instead of ``n_values`` values."""
     has = f"has {len(tokens)} value{'s' if len(tokens) != 1 else ''}"
     if len(tokens) <= 1 or any("," in token or ";" in token for token in tokens):
         has = "has commas or semicolons between its values" if b"," in text or b";" in text else has
@@ -106,7 +106,7 @@ def _why_not(tokens: Sequence[str], text: bytes, kind: str, n_values: int, colum
 
 
 def _refuse_other_format(number: int, text: bytes, kind: str) -> None:
-    """Raise :class:`ReadError` for a line with as many values that is of another format of trajectories."""
+    """Raise :class:`ReadError` for a line with as many values in another trajectory format."""
     other = trajectory_format(text + b"\n")
     if other is not None and other != kind:
         raise ReadError(
@@ -116,9 +116,9 @@ def _refuse_other_format(number: int, text: bytes, kind: str) -> None:
 
 
 def stamp_ns(token: str, line: int, kind: str, per_second: float = 1.0) -> int:
-    """Return a time as nanoseconds, to the last digit, which a float would not keep.
+    """Return a time as integer nanoseconds, without the precision loss of a float.
 
-    ``per_second`` of the unit in ``token`` are a second. Raises :class:`ReadError` for an invalid time.
+    ``per_second`` of the unit in ``token`` are one second. Raises :class:`ReadError` for an invalid time.
     """
     fields.stamp(token, line, kind, per_second)
     return round(Decimal(token) * 10**9 / Decimal(per_second))

@@ -1,7 +1,7 @@
 """Known relations between places: the ground truth of the Freiburg SLAM benchmark.
 
 Source: the benchmark's page on its metric (Kümmerle et al. 2009): a line ``t1 t2 x y z roll pitch yaw`` for each
-relation, seconds, metres, radians; lines that begin with ``#`` are remarks.
+relation, seconds, metres, radians; lines that start with ``#`` are comments.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ COLUMNS = "t1 t2 x y z roll pitch yaw"
 
 
 def read_relations(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> Relations:
-    """Return the relations in a file, plain or packed, as planar motions: x, y and yaw.
+    """Return the relations in a file, plain or compressed, as planar motions: x, y and yaw.
 
-    Raises :class:`ReadError`, naming the line, for a line that has not eight numbers or no motion or time, and for a
-    file without relations; :class:`LimitError` for one with more lines or bytes than ``limits`` allow.
+    Raises :class:`ReadError`, naming the line, for a line without eight numbers or with an invalid motion or time, and
+    for a file without relations; :class:`LimitError` for one with more lines or bytes than ``limits`` allow.
     """
     stamps, motions = array("q"), array("d")
     for line, tokens in rows(Path(path), limits, "relation", COLUMNS):

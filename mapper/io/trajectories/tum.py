@@ -1,8 +1,8 @@
-"""Trajectories in the format of the TUM RGB-D benchmark, which evo and many SLAM programs write.
+"""Trajectories in the format of the TUM RGB-D benchmark, written by evo and many SLAM programs.
 
 Source: the benchmark's file formats: ``timestamp tx ty tz qx qy qz qw``, seconds, metres, a unit quaternion; lines that
-begin with ``#`` are remarks. :func:`mapper.io.export.tum_lines` writes it. Tables with commas, semicolons or tabs are
-read too; a line with the names of the columns says their order.
+start with ``#`` are comments. :func:`mapper.io.export.tum_lines` writes it. Tables with commas, semicolons or tabs are
+also supported; a line of column names defines their order.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from mapper.sensors.georeference import FARTHEST_M, NO_OFFSET, note_on_offset, o
 from mapper.sensors.timed_poses import TimedPoses
 
 COLUMNS = "timestamp tx ty tz qx qy qz qw"
-#: Names of the columns in tables, in small letters → those of the format.
+#: Names of the columns in tables, in lower case → those of the format.
 SYNONYMS = {
     **dict.fromkeys(("time", "t", "stamp", "seconds", "sec", "secs"), "timestamp"),
     **{
@@ -48,17 +48,16 @@ SYNONYMS = {
         for form in ("q_{}", "quat_{}", "rot_{}", "orientation_{}", "orientation.{}", "rotation_{}", "q_rs_{}")
     },
 }
-NORM_TOLERANCE = 0.05  #: how far a quaternion may be from length 1: files have as few as two digits
-FLAT_M, FLAT_RAD = 0.05, math.radians(3.0)  #: heights and tilts that differ by less are a planar trajectory's
+NORM_TOLERANCE = 0.05  #: tolerance of a quaternion's length around 1: files have as few as two digits
+FLAT_M, FLAT_RAD = 0.05, math.radians(3.0)  #: variations of height and tilt of a planar trajectory
 
 
 def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> TimedPoses:
-    """Return the poses of a TUM file, plain or packed, seen from above, in the file's order.
+    """Return the poses of a TUM file, plain or compressed, projected to the plane, in file order.
 
-    A note says where heights or tilts, which are left out, are more than a planar robot's, and where stamps run
-    backwards or repeat. Raises :class:`ReadError`, naming the line, for a line that has not eight numbers, a pose that
-    is no place or no rotation, or an invalid time, and for a file without poses; :class:`LimitError` for one with
-    more lines or bytes than ``limits`` allow.
+    A note is added if the ignored heights or tilts exceed those of a planar robot, and if stamps run backwards or
+    repeat. Raises :class:`ReadError`, naming the line, for a line without eight numbers, an invalid pose or time, and
+    for a file without poses; :class:`LimitError` for one with more lines or bytes than ``limits`` allow.
     """
     stamped, table, row_notes = tum_rows(Path(path), limits)
     poses = Poses3(table[:, :3], table[:, 3:])
@@ -72,10 +71,10 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
 
 
 def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.float64], list[str]]:
-    """Return the stamps (n,), ns, and the poses (n, 7) of a TUM file: x y z, metres, and the unit quaternion x y z w.
+    """Return the stamps (n,), ns, and poses (n, 7) of a TUM file: x y z, metres, and the unit quaternion x y z w.
 
-    Times that cannot be seconds are in the smaller unit by which the first is since 1970, which the notes that are
-    returned as well say. Raises as :func:`read_tum`.
+    If the times cannot be seconds, they are in the smaller unit in which the first is a time since 1970, which a
+    returned note states. Raises the errors of :func:`read_tum`.
     """
     stamps, values = array("q"), array("d")
     per_second, notes = 1.0, list[str]()

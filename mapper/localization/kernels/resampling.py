@@ -1,4 +1,8 @@
-"""Low-variance resampling, and the pose bins that particles fill."""
+"""Low-variance resampling, and the pose bins that particles fill.
+
+Numba twins of :func:`mapper.localization.textbook.low_variance_sampler` and of the bins of
+:func:`mapper.localization.textbook.kld_sampling_mcl`.
+"""
 
 from __future__ import annotations
 

@@ -154,7 +154,10 @@ def _kept_free(
 
 @jit
 def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
-    """Move for a :data:`STEP` towards the commanded velocities."""
+    """Move for a :data:`STEP` towards the commanded velocities.
+
+    See :meth:`mapper.simulation.textbook_driving.Drive.step`.
+    """
     before, target = state[LINEAR], state[WANTED_LINEAR]
     slowing = abs(target) < abs(before) or target * before < 0.0
     rate = BRAKING if slowing else LINEAR_ACCELERATION
@@ -199,7 +202,10 @@ def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
 def _steer(
     segments: Float64Array, near: Float64Array, radius: float, path: Float64Array, state: Float64Array, two: float
 ) -> None:
-    """Command velocities for following the path; ``near`` is :func:`_near_by` of ``segments``, ``two`` is 2."""
+    """Command velocities for following the path; ``near`` is :func:`_near_by` of ``segments``, ``two`` is 2.
+
+    See :meth:`mapper.simulation.textbook_driving.Drive.velocities`.
+    """
     x, y, yaw = state[X], state[Y], state[YAW]
     left = path[int(state[FIRST]) :]
     ahead = min(left.shape[0] - 1, LOOKAHEAD_POINTS)

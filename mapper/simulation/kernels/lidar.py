@@ -66,7 +66,10 @@ def _cross_edge(
     ax: float, ay: float, bx: float, by: float, directions: Float64Array, first: int, last: int, range_max: float,
     out: Float64Array,
 ) -> None:  # fmt: skip
-    """Shorten the beams ``first`` … ``last`` in ``out`` to their crossings with the edge from (ax, ay) to (bx, by)."""
+    """Shorten the beams ``first`` … ``last`` in ``out`` to their crossings with the edge from (ax, ay) to (bx, by).
+
+    The crossing is that of two parametric lines, a + u·e = t·d (O'Rourke, Computational Geometry in C, section 7.2).
+    """
     ex, ey = bx - ax, by - ay
     a_cross_b = ax * by - ay * bx
     for i in range(first, last + 1):

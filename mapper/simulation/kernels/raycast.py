@@ -136,7 +136,11 @@ def arc_clearance(
     duration: float,
     n_samples: int,
 ) -> float:
-    """Return the minimum clearance at ``n_samples`` points of a unicycle's motion from (x, y, theta)."""
+    """Return the minimum clearance at ``n_samples`` points of a unicycle's motion from (x, y, theta).
+
+    ``linear`` m/s and ``angular`` rad/s held for ``duration`` seconds; the exact arc of Probabilistic Robotics, section
+    5.3.3.
+    """
     nearest = np.zeros(2)
     least = nearest_edge(segments, x, y, nearest)
     for i in range(1, n_samples + 1):

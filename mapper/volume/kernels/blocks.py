@@ -20,7 +20,11 @@ def block_code(x: int, y: int, z: int) -> int:
 
 @jit
 def _home_of(code: int, n: int) -> int:
-    """Return the first slot to probe for a code in a table of length ``n``, a power of two."""
+    """Return the first slot to probe for a code in a table of length ``n``, a power of two.
+
+    Source: Teschner, Heidelberger, Müller, Pomerantes & Gross, Optimized spatial hashing for collision detection of
+    deformable objects, 2003.
+    """
     return ((code & 8191) * 73856093 ^ (code >> 13 & 8191) * 19349663 ^ (code >> 26) * 83492791) & (n - 1)
 
 
@@ -47,6 +51,8 @@ def find_slots(table: BlockTable, codes: Int64Array, out: Int32Array) -> None:
 def add_blocks(table: BlockTable, codes: Int64Array, first_slot: int, out: Int32Array) -> int:
     """Write the slots (n,) of blocks, and assign slots from ``first_slot`` on to new ones; return the number of new
     ones.
+
+    The table must be long enough.
     """
     n = table.codes.shape[0]
     slot = first_slot

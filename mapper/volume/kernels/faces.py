@@ -1,4 +1,8 @@
-"""Visible faces of occupied voxels, merged into rectangles, for one chunk of 32³ voxels at a time."""
+"""Visible faces of occupied voxels, merged into rectangles, for one chunk of 32³ voxels at a time.
+
+Numba twins of :func:`mapper.volume.occupancy.textbook.chunk_colours` and
+:func:`mapper.volume.occupancy.textbook.merged_faces`.
+"""
 
 from __future__ import annotations
 

@@ -19,7 +19,10 @@ from mapper.volume.kernels.types import BlockTable, CubeTables, MeshBlocks, Mesh
 
 @jit
 def neighbours(table: BlockTable, corners: Int64Array, low: int, high: int, out: Int32Array) -> None:
-    """Write the slots (n, side³), z y x, of the neighbours at ``low`` … ``high`` of blocks, −1 for missing ones."""
+    """Write the slots (n, side³), z y x, of the neighbours at ``low`` … ``high`` of blocks, −1 for missing ones.
+
+    ``corners`` (n, 3) are the keys of the blocks' first voxels.
+    """
     for i in range(corners.shape[0]):
         n = 0
         for z in range(low, high + 1):

@@ -64,7 +64,10 @@ def write_places(
 
 @jit
 def shade(colors: UInt8Array, normals: Int8Array, linear: Float32Array, light: Float32Array, out: UInt8Array) -> None:
-    """Apply ambient cube lighting to the sRGB colours (n, 3) of a surface; write (n, 4) linear RGB and alpha."""
+    """Apply ambient cube lighting to the sRGB colours (n, 3) of a surface; write (n, 4) linear RGB and alpha.
+
+    ``linear`` (256,) are the linear values 0 to 255 of sRGB, ``light`` (6,) that from −x, +x, −y, +y, −z, +z.
+    """
     for i in range(colors.shape[0]):
         total, weighted = np.float32(0.0), np.float32(0.0)
         for k in range(3):

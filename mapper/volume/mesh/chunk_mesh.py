@@ -94,7 +94,10 @@ def cut_between(mesh: ChunkMesh, low: ArrayLike, high: ArrayLike) -> ChunkMesh |
 
 
 def shaded(colors: UInt8Array, normals: Int8Array, light: Float32Array) -> UInt8Array:
-    """Apply lighting to the colours (n, 3) of a surface, like :func:`mapper.volume.mesh.textbook.shaded`."""
+    """Apply lighting to the colours (n, 3) of a surface, like :func:`mapper.volume.mesh.textbook.shaded`.
+
+    Raises :class:`ConfigError` for arrays of other shapes.
+    """
     if colors.shape != normals.shape or colors.shape[1:] != (3,) or light.shape != (6,):
         raise ConfigError(
             "mesh.shape",

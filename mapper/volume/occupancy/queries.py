@@ -28,8 +28,10 @@ _SHARE = 1024  # rays or points above which a second thread is worthwhile
 
 @dataclass(frozen=True, slots=True)
 class Casts:
-    """Ends of rays: the ``keys`` (n, 3) of their last voxels, the centres ``points`` (n, 3) in metres, and the
-    reason.
+    """Ends of rays: the ``keys`` (n, 3) of their last voxels, the centres ``points`` (n, 3) in metres, and the reason.
+
+    ``ends`` (n,) are :data:`HIT` (an occupied voxel), :data:`UNKNOWN`, :data:`TOO_FAR` or :data:`OUTSIDE` (the
+    lattice).
     """
 
     keys: Int64Array

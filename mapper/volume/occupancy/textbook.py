@@ -86,7 +86,10 @@ def ray_keys(origin: Float32Array, end: Float32Array, resolution: float) -> list
 
 
 def seen_voxels(points: Float32Array, origin: Float32Array, config: VolumeConfig) -> tuple[set[Key], set[Key]]:
-    """Return the voxels that a scan observes as free and as occupied, each once; occupied if both."""
+    """Return the voxels that a scan observes as free and as occupied, each once; occupied if both.
+
+    ``points`` (n, 3) and ``origin`` (3,) are in the frame of the map.
+    """
     resolution = config.resolution
     if config.discretise:
         keys = {key_of(point, resolution) for point in points}
@@ -225,7 +228,10 @@ def ot_data(node: Node) -> bytes:
 
 
 def bt_data(node: Node, occupied: np.float32) -> bytes:
-    """Return a node and its descendants in the .bt format: two bits per child, then the children that have children."""
+    """Return a node and its descendants in the .bt format: two bits per child, then the children that have children.
+
+    The bits of child n are bits 2n and 2n + 1: 00 unknown, 01 (bit 2n) free, 10 occupied, 11 has children.
+    """
     _, children = node
     bits = 0
     for number, (value, below) in children.items():

@@ -188,6 +188,8 @@ class OccupancyVolume:
     def rays_of(self, ends: Float32Array, start: Float32Array) -> tuple[Float32Array, Int64Array, Int64Array, int]:
         """Return the ends of a scan's beams, the keys of their voxels, the occupied keys, and the number of ignored
         points.
+
+        ``ends`` (n, 3) are the scan's points and ``start`` (3,) its origin, float32.
         """
         resolution, reach = self.config.resolution, self.config.range_max
         keys, inside = keys_of(ends, resolution)

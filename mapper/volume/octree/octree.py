@@ -82,7 +82,10 @@ class Octree:
         return Octree(self.resolution, values[:n].copy(), masks[:n].copy())
 
     def max_likelihood(self, config: VolumeConfig) -> Octree:
-        """Return the pruned tree of the states of the leaves, as the minimum or maximum log-odds of ``config``."""
+        """Return the pruned tree of the states of the leaves, as the minimum or maximum log-odds of ``config``.
+
+        Source: octomap's OccupancyOcTreeBase::toMaxLikelihood.
+        """
         occupied = self.values >= config.log_odds_occupied
         states = np.where(occupied, config.log_odds_max, config.log_odds_min).astype(np.float32)
         return Octree(self.resolution, states, self.masks).pruned()
@@ -98,7 +101,10 @@ class Octree:
         return int((self.masks == 0).sum())
 
     def leaves(self) -> tuple[Int64Array, UInt8Array, Float32Array]:
-        """Return for each leaf the key (n, 3) of its first voxel, its depth (n,) and its log-odds (n,)."""
+        """Return for each leaf the key (n, 3) of its first voxel, its depth (n,) and its log-odds (n,).
+
+        A leaf of depth d is a cube of 2^(16 − d) voxels.
+        """
         codes, depths, values = self._leaf_codes()
         keys = np.empty((len(codes), 3), dtype=np.int64)
         morton_keys(codes, keys)

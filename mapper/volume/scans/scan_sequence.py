@@ -91,7 +91,10 @@ class ScanSequence:
         return ("-" if up[axis] < 0.0 else "") + "xyz"[axis]
 
     def with_up(self, axis: str) -> ScanSequence:
-        """Return the scans rotated so that an axis of the file, one of :data:`UPS`, points up."""
+        """Return the scans rotated so that an axis of the file, one of :data:`UPS`, points up.
+
+        Raises :class:`ConfigError` for another one.
+        """
         if axis not in UPS:
             raise ConfigError(
                 "volume.up", f"The axis that points up must be one of {', '.join(UPS)}, not {axis!r:.80}."

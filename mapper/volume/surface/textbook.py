@@ -128,7 +128,10 @@ def dot(a: Float64Array, b: Float64Array) -> float:
 
 
 def voxels_along(start: Float64Array, line: Float64Array) -> list[Key]:
-    """Return the voxels passed by ``line`` (3,) from ``start`` (3,), in keys, in order."""
+    """Return the voxels passed by ``line`` (3,) from ``start`` (3,), in keys, in order.
+
+    Source: Amanatides & Woo, A fast voxel traversal algorithm for ray tracing, 1987.
+    """
     key = [math.floor(c + 0.5) for c in start]
     steps, first, apart = [0, 0, 0], [math.inf] * 3, [math.inf] * 3
     for axis in range(3):

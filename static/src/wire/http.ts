@@ -214,8 +214,8 @@ export interface ErrorFigures {
 }
 
 /**
- * Figures of n errors, in their unit; `sse`, the sum of squared errors, in its square. `std` is the standard deviation
- * of the errors around their mean, divided by n, not n − 1.
+ * Statistics of n errors, in their unit; `sse`, the sum of squared errors, is in its square. `std` is the standard
+ * deviation of the errors around their mean, divided by n, not n − 1.
  */
 export interface ErrorStatistics {
   readonly rmse: number;
@@ -678,8 +678,8 @@ export interface MeanErrors {
 }
 
 /**
- * Measures of one map. `agreement` is the F-score of its walls with the reference's, 0 … 1 (:func:`wall_agreement`),
- * `sharpness` the contrast of its walls, 0 … 1 (:func:`wall_contrast`), `entropy` the mean entropy of its observed
+ * Measures of one map. `agreement` is the F-score of its walls against the reference, 0 to 1 (:func:`wall_agreement`),
+ * `sharpness` the contrast of its walls, 0 to 1 (:func:`wall_contrast`), `entropy` the mean entropy of its observed
  * cells, bits.
  */
 export interface Measures {
@@ -997,8 +997,8 @@ export interface PresentHistory {
 
 /**
  * The mean error of a program's poses over the relations of a log, metres and degrees; null: not published. `policy` is
- * how stamps were mapped, as :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper": that of the source.
- * `count` is the number of relations, where it is known.
+ * the mapping of stamps, as in :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper" for that of the
+ * source. `count` is the number of relations, if known.
  */
 export interface PublishedResult {
   readonly program: string;

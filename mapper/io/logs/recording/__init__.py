@@ -1,1 +1,1 @@
-"""The log of a robot made of a recording's messages: streams, clocks, frames, poses and scans."""
+"""Log of a robot assembled from a recording's messages: streams, clocks, frames, poses and scans."""

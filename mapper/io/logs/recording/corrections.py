@@ -1,20 +1,21 @@
-"""How the robot moved in a fixed frame by whose transform to another one its odometry is corrected.
+"""Motion of a robot in a fixed frame that is related to its odometry frame by a transform with corrections.
 
 A localiser publishes ``map → odom``, and the wheels ``odom → base_link`` (REP 105). tf2 looks up each of the two at the
-time of a scan, interpolated between the transforms around it (``TimeCache::getData``). Of a localiser's transforms this
-is not what it meant, for three reasons:
+time of a scan, interpolated between the transforms around it (``TimeCache::getData``). For a localiser's transforms
+this is not what was intended, for three reasons:
 
-- It states its last correction again until it has a new one, so that tf2 holds each and then jumps: AMCL with each
-  scan, slam_toolbox every 20 ms. What is stated again is one correction here, made when it was first stated.
+- The last correction is repeated until there is a new one, so that tf2 holds each and then jumps: AMCL with each scan,
+  slam_toolbox every 20 ms. Repetitions count as one correction here, made when it was first published.
 - AMCL and slam_toolbox stamp it ahead by ``transform_tolerance`` or ``transform_timeout``, so that others need not wait
-  for the next one: tf2 looks up an older one then. Here it counts from the odometry that it was made of.
-- Between two corrections the wheels drifted as they drove. Where the odometry is set back by what the correction steps,
-  each correction holds until the next; that is taken with which the robot moves more smoothly. A step far beyond any
-  drift is the localiser's, as of a closed loop or a pose that somebody set, and no scan is between its two sides.
+  for the next one; tf2 then looks up an older one. Here it applies from the odometry from which it was computed.
+- Between two corrections the wheels drift gradually while driving. If odometry is reset by the step of the correction,
+  each correction holds until the next. The alternative with the smoother robot motion is used. A step far beyond any
+  drift is made by the localiser, for example by loop closure or by setting a pose, and no scan lies between its two
+  sides.
 
-A drift is shared out along the odometry (:func:`shared_out`) as its usual model has it (Thrun, Burgard, Fox 2005,
-section 5.4): the heading goes wrong as the robot turns, and less as it drives, the position as it drives. Between two
-corrections the robot so goes the odometry's own way, bent to meet both.
+A drift is distributed along the odometry (:func:`shared_out`) according to its usual model (Thrun, Burgard, Fox 2005,
+section 5.4): heading errors grow with rotation, and less with distance; position errors grow with distance. Between two
+corrections the robot thus follows the odometry's path, bent to meet both.
 """
 
 from __future__ import annotations
@@ -34,13 +35,13 @@ from mapper.io.logs.recording.timeline import Moments, Timeline
 from mapper.io.logs.recording.transforms import FrameTree, Path
 
 LEAST_AHEAD_NS, MOST_AHEAD_NS = 50_000_000, 3_000_000_000  #: by which corrections are stamped ahead
-DENSER = 1.5  #: times as many poses: then odometry tells the motion between those of another source
-TURN_M = 0.5  #: metres of way that a turn of 1 rad counts as
-MOST_DRIFT = 0.5  #: of the way driven: a larger step is none of the wheels
-HEADING_PER_M = 0.1  #: radians of turning that a metre of way counts as, where a drift of the heading is shared out
-FAR_M, FAR_RAD = 0.5, 0.3  #: a leap by more is named
-FEW_LEAPS, MOST_LEAPS = 3, 0.1  #: as many, or so large a share of all steps, are named
-SAME_M = 1e-6  #: metres, and parts of quaternions: what differs by less is stated again
+DENSER = 1.5  #: ratio of pose rates above which odometry determines the motion between another source's poses
+TURN_M = 0.5  #: metres of path per radian of turn
+MOST_DRIFT = 0.5  #: of the driven path: a larger step is not due to the wheels
+HEADING_PER_M = 0.1  #: radians of turning per metre of path, when a drift of the heading is distributed
+FAR_M, FAR_RAD = 0.5, 0.3  #: larger jumps are reported
+FEW_LEAPS, MOST_LEAPS = 3, 0.1  #: up to this number, or up to this fraction of all steps, they are reported
+SAME_M = 1e-6  #: metres, and quaternion components: smaller differences are repetitions
 
 Odometry = Callable[[Moments], Poses3]  #: the robot's poses at n times
 
@@ -50,7 +51,7 @@ class Corrections:
     """The transform between two fixed frames, interpolated between m ``values`` at ``stamps_ns`` (m,), ascending.
 
     Of two values at one time the first holds before it, and the second from then on. ``ahead_ns`` is by how much the
-    corrections were stamped ahead, and ``leaps`` are those that are no drift.
+    corrections were stamped ahead, and ``leaps`` are those that are not drift.
     """
 
     stamps_ns: Int64Array
@@ -72,10 +73,10 @@ class Corrections:
 def shared_out(
     stamps_ns: Int64Array, values: Poses3, odometry: Odometry, odometry_ns: Int64Array, held: NDArray[np.bool_]
 ) -> Corrections:
-    """Return corrections between k values, each made at one of ``stamps_ns`` (k,), as the robot drifts between them.
+    """Return corrections interpolated between k values, each made at one of ``stamps_ns`` (k,), according to drift.
 
-    ``odometry`` is known at ``odometry_ns`` (m,). Of the steps from each value to the next some are ``held`` (k − 1,):
-    the earlier value holds until the next.
+    ``odometry`` is known at ``odometry_ns`` (m,). At steps that are ``held`` (k − 1,), the earlier value holds until
+    the next.
     """
     steps = np.arange(len(stamps_ns) - 1)
     if not len(steps):
@@ -94,7 +95,7 @@ def shared_out(
     turned = np.where(step[1:] == step[:-1], angles_between(poses[:-1], poses[1:]), 0.0)
 
     def shares(passed: Float64Array) -> Float64Array:
-        """Return which share of each step's sum of these (m − 1,) has passed (m,): of the time, where there is none."""
+        """Return the cumulative fraction of each step's sum of these (m − 1,) at (m,): of the time, if the sum is 0."""
         total = np.append(0.0, np.cumsum(passed))
         of_step = (total[last] - total[first])[step]
         of_time = (times - times[first][step]) / (times[last] - times[first])[step]
@@ -128,9 +129,9 @@ class Leap(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """The poses of the first frame of a path in the last: ``at`` n times, as far as they are known (``covers``, (n,)).
+    """Poses of a path's first frame in its last: ``at`` n times, if known (``covers``, (n,)).
 
-    ``ahead_ns`` is by how much the corrections among its transforms are stamped ahead. ``leaps`` are those that are no
+    ``ahead_ns`` is by how much the corrections among its transforms are stamped ahead. ``leaps`` are those that are not
     drift.
     """
 
@@ -141,7 +142,7 @@ class Motion:
 
 
 def motion_along(tree: FrameTree, path: Path) -> Motion:
-    """Return the motion along a path: by the rules above where it has corrections, else by those of tf2."""
+    """Return the motion along a path: by the rules above if it has corrections, else by tf2's."""
     by_tf2 = Motion(partial(tree.lookup, path), partial(tree.covers, path))
     moving = tree.moving_lines(path)
     if len(moving) < 2:
@@ -163,7 +164,7 @@ def motion_along(tree: FrameTree, path: Path) -> Motion:
 
 
 def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odometry: Timeline) -> Corrections | None:
-    """Return the corrections that ``line`` states along an ``edge``; None where they are as dense as the odometry."""
+    """Return the corrections that ``line`` states along an ``edge``; None if they are as dense as the odometry."""
     when = line.in_order[0]
     values = tree.lookup(edge, when)
     rows = np.column_stack([values.positions, values.rotations])
@@ -189,10 +190,10 @@ def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odome
 def leaps_of(
     stamps_ns: Int64Array, values: Poses3, odometry: Odometry, known: Moments
 ) -> tuple[NDArray[np.bool_], tuple[Leap, ...]]:
-    """Return which steps between k values (k − 1,), each made at one of ``stamps_ns`` (k,), are larger than any drift.
+    """Return which steps (k − 1,) between values made at ``stamps_ns`` (k,) are larger than any drift.
 
-    ``known`` are the times at which the odometry is known. Beside them are those by which the robot leaps far; none
-    where they are many, so that the odometry is no measure of them.
+    ``known`` are the times at which the odometry is known. Also included are far jumps of the robot; none if there are
+    many, because the odometry is then not a reference for them.
     """
     driven = odometry(known).planar
     distance = np.append(0.0, np.cumsum(_apart(driven[1:], driven[:-1])))
@@ -210,7 +211,7 @@ def leaps_of(
 def _ahead_ns(line: Timeline, odometry: Timeline) -> int:
     """Return by how much the transforms of ``line`` are usually ahead of the odometry recorded before them, ns.
 
-    0 where that is no more than odometry may be late.
+    0 if that may be delay of the odometry.
     """
     stamps, positions, _ = line.track
     own, before, _ = odometry.track
@@ -224,13 +225,13 @@ def _ahead_ns(line: Timeline, odometry: Timeline) -> int:
 
 
 def _apart(first: Float64Array, other: Float64Array) -> Float64Array:
-    """Return how far planar poses (n, 3) are apart (n,), metres, turns included."""
+    """Return the distance (n,) between planar poses (n, 3), metres, including turns."""
     difference = first - other
     return np.asarray(np.hypot(difference[:, 0], difference[:, 1]) + TURN_M * np.abs(wrap_angle(difference[:, 2])))
 
 
 def _roughness(poses: Poses3) -> float:
-    """Return by how much the steps of a motion change, in all: metres, turns included."""
+    """Return the total change between steps of a motion: metres, including turns."""
     planar = poses.planar
     steps = np.diff(planar, axis=0)
     steps[:, 2] = wrap_angle(steps[:, 2])

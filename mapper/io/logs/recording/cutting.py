@@ -1,8 +1,8 @@
-"""Planar scans cut out of the clouds and depth images of a recording, while it is read.
+"""Extraction of planar scans from the clouds and depth images of a recording while it is read.
 
-A cloud is cut as soon as tf has told where its frame is on the robot, of a frame that may move, at the cloud's stamp; a
-depth image as soon as its CameraInfo has come. Until then messages are held, at most :data:`HELD_BYTES`; then, and at
-the end of the recording, they are cut with what is known.
+A cloud is processed as soon as tf has provided the pose of its frame on the robot (for a moving frame, at the cloud's
+stamp); a depth image as soon as its CameraInfo has arrived. Until then messages are held, at most :data:`HELD_BYTES`;
+then, and at the end of the recording, they are processed with what is known.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from mapper.sensors.planar.sweep import SAMPLE, sweep_of
 IMAGE, CAMERA = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
 HELD_BYTES = 64 << 20
 LONGEST_S = 1.0  #: a turn of a lidar; times of points that make it longer are in another unit
-FLOOR_CLOUDS = 20  #: of a topic: the floor is searched for in this number of its first clouds
-FLOOR_M = 0.1  #: metres above the lowest height in which the floor is looked for, and by which it shortens a beam
+FLOOR_CLOUDS = 20  #: number of a topic's first clouds in which the floor is searched
+FLOOR_M = 0.1  #: metres above the minimum height in which the floor is searched, and by which it shortens a beam
 
 Emit = Callable[[Stream, int, Beams, int], None]
 
 
 @dataclass(slots=True)
 class Low:
-    """Beams of a topic's first clouds: those that measured anything, and those that low points made shorter."""
+    """Beams of a topic's first clouds: those with a measurement, and those shortened by low points."""
 
     clouds: int = 0
     measured: int = 0
@@ -46,7 +46,7 @@ class Low:
 
     @property
     def share(self) -> float:
-        """The share of the beams that end at a point less than :data:`FLOOR_M` above the lowest height."""
+        """Fraction of the beams that end at a point less than :data:`FLOOR_M` above the minimum height."""
         return self.shorter / self.measured if self.measured else 0.0
 
 
@@ -56,47 +56,47 @@ class _Held:
     recorded_ns: int
     message: Cloud | DepthImage
     size: int
-    number: int  #: of the message in its stream, from 1
-    position: int  #: of the message in the recording
+    number: int  #: index of the message in its stream, from 1
+    position: int  #: index of the message in the recording
 
 
 class Cutter:
-    """Cuts clouds and images, and hands the scans to ``emit`` with their stream, when they were recorded, and where.
+    """Extracts scans from clouds and images, and passes them to ``emit`` with stream, recording time and message index.
 
-    Where is the number of the message. ``tf`` and ``children`` are those of the recording, which grow while it is read.
+    ``tf`` and ``children`` are those of the recording, and grow while it is read.
     """
 
     def __init__(self, selection: Selection, tf: TfTopics, children: set[str], emit: Emit) -> None:
-        self.position = 0  #: the number of the message that is taken
-        self._placements: dict[tuple[str, str], Placement] = {}  #: of frames that never move, by topic and frame
-        self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
+        self.position = 0  #: index of the current message
+        self._placements: dict[tuple[str, str], Placement] = {}  #: of static frames, by topic and frame
+        self.unplaced: set[str] = set()  #: frames unknown to tf when their first cloud was processed
         self.low: dict[str, Low] = {}  #: by topic
         self.heights: dict[str, tuple[float, float]] = {}  #: of the points of topics whose clouds made no beam, metres
         self._with_beams: set[str] = set()  #: the other topics
         self._cut, self._named = selection.cut, selection.name_of
         self._tf, self._children, self._emit = tf, children, emit
-        self._statics = 0  #: how many static transforms were known when the placements were found
-        self._cameras: dict[str, Intrinsics] = {}  #: by the folder of their topic
+        self._statics = 0  #: number of static transforms when the placements were computed
+        self._cameras: dict[str, Intrinsics] = {}  #: by the namespace of their topic
         self._held: list[_Held] = []
         self._held_bytes = 0
 
     def take_cloud(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
-        """Take a cloud of one of the types :data:`CLOUD_DECODERS`. Raises :class:`BadMessageError`."""
+        """Process a cloud of one of the types :data:`CLOUD_DECODERS`. Raises :class:`BadMessageError`."""
         cloud = CLOUD_DECODERS[stream.kind](data, cdr=stream.cdr)
         self._take(_Held(stream, recorded_ns, cloud, len(data), stream.count, self.position))
 
     def take_image(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
-        """Take a sensor_msgs/Image. Raises :class:`BadMessageError`, and ``NotDepthError`` for a picture."""
+        """Process a sensor_msgs/Image. Raises :class:`BadMessageError`, and ``NotDepthError`` for a picture."""
         image = depth_image(data, cdr=stream.cdr)
         self._take(_Held(stream, recorded_ns, image, len(data), stream.count, self.position))
 
     def take_camera(self, stream: Stream, _: int, data: bytes) -> None:
-        """Take a sensor_msgs/CameraInfo, of all images in its folder of topics. Raises :class:`BadMessageError`."""
+        """Process a sensor_msgs/CameraInfo for all images in its namespace. Raises :class:`BadMessageError`."""
         self._cameras[topic_folder(stream.topic)] = camera_info(data, cdr=stream.cdr).intrinsics
         self._cut_held()
 
     def finish(self) -> None:
-        """Cut what is held with what is known now. An image without a CameraInfo counts as one that cannot be read."""
+        """Process the held messages with what is known now. An image without a CameraInfo counts as unreadable."""
         waiting, self._held, self._held_bytes = self._held, [], 0
         for cloud in waiting:
             try:
@@ -116,7 +116,7 @@ class Cutter:
             self.finish()
 
     def _cut_held(self) -> None:
-        """Cut what can be cut so far; of one stream in the order of the recording."""
+        """Process what is possible so far, each stream in recording order."""
         held, self._held = self._held, []
         waiting: set[int] = set()  #: streams, by their ids
         for cloud in held:
@@ -185,7 +185,7 @@ class Cutter:
         self.heights[topic] = (low, high)
 
     def _look_for_floor(self, cloud: Cloud, topic: str, placement: Placement, ranges: NDArray[np.float32]) -> None:
-        """Count the beams that are longer in the scan above the lowest :data:`FLOOR_M` of the heights that count."""
+        """Count the beams that are longer in the scan above the lowest :data:`FLOOR_M` of the valid heights."""
         low = self.low.setdefault(topic, Low())
         above = self._cut.min_height + FLOOR_M
         if low.clouds >= FLOOR_CLOUDS or above >= self._cut.max_height:
@@ -199,7 +199,7 @@ class Cutter:
         low.shorter += int(np.count_nonzero(np.isfinite(higher) & (higher > ranges + FLOOR_M)))
 
     def _placement(self, cloud: Cloud, topic: str, position: int) -> Placement:
-        """Return where a cloud's frame was on the robot at its stamp."""
+        """Return the pose of a cloud's frame on the robot at its stamp."""
         key = (topic, cloud.frame)
         if self._statics != self._tf.statics:  # one may have been replaced
             self._statics = self._tf.statics
@@ -235,13 +235,15 @@ class Cutter:
         first, step = camera.beams()
         least, greatest = self._cut.depth_range
         frame = self._cut.output_frame or image.frame
-        # A beam stands for the columns from its bearing to the next one's: it is stated in their middle.
+        # A beam covers the columns from its bearing to the next one's, so its bearing is stated in their middle.
         return Beams(image.stamp_ns, frame, first + 0.5 * step, step, least, greatest, ranges)
 
 
 def is_forward(up: NDArray[np.float64]) -> bool:
-    """Return whether a camera's frame has its z axis along the view, by the z components (n,) of its z axis.
+    """Return whether a camera's frame has its z axis along the viewing direction, given z components (n,) of its z
+    axis.
 
-    Optical frames are so (REP 103); some drivers state depth images in a frame whose x axis is along the view.
+    This is so for optical frames (REP 103); some drivers publish depth images in a frame with the x axis along the
+    view.
     """
     return bool(abs(float(up[0])) < 0.9)

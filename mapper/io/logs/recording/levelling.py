@@ -1,4 +1,6 @@
-"""Poses in a fixed frame that is not level, as of a camera that tracks from where it began: a map needs a level one."""
+"""Levelling of poses in a tilted fixed frame, such as that of a camera tracker's start, because maps need a level
+one.
+"""
 
 from __future__ import annotations
 
@@ -11,18 +13,18 @@ from mapper.io.logs.recording.pose_sources import PoseSource
 from mapper.io.logs.recording.poses3 import Poses3, rotated
 from mapper.io.logs.recording.timeline import Moments
 
-LEAST_TILT = math.radians(15.0)  #: of the robot's z axis, on average; ramps are less steep
-STEADY = 0.98  #: length of the mean z axis of a robot that stays upright: of one that tips over it is less
-LEAST_WAY_M = 0.5  #: that tells in which plane the robot moves
-FLAT = 0.2  #: of that way is the most that it rises
-MOST = 1000  #: poses that are looked at
+LEAST_TILT = math.radians(15.0)  #: mean tilt of the robot's z axis; ramps are less steep
+STEADY = 0.98  #: length of the mean z axis of a robot that stays upright; it is less for one that tips over
+LEAST_WAY_M = 0.5  #: minimum path length to determine the plane of motion
+FLAT = 0.2  #: maximum rise as a fraction of that path
+MOST = 1000  #: maximum number of poses examined
 
 
 def levelled(source: PoseSource) -> tuple[PoseSource, float] | None:
-    """Return a source in whose frame the robot stands upright, and by how much it was tilted, radians.
+    """Return a source in a frame in which the robot is upright, and the tilt, radians.
 
-    None where it stands upright as it is (REP 105 has level frames), and where its base does not move perpendicularly
-    to its z axis, as an optical frame does that is taken for the base.
+    None if it is already upright (frames are level by REP 105), and if its base does not move perpendicularly to its z
+    axis, as with an optical frame mistaken for the base.
     """
     stated = source.stated()
     if stated is None or not len(stated.counted_ns):
@@ -34,7 +36,7 @@ def levelled(source: PoseSource) -> tuple[PoseSource, float] | None:
     tilt = math.acos(min(1.0, max(-1.0, float(up[2]) / max(length, STEADY))))
     if length < STEADY or tilt < LEAST_TILT:
         return None
-    # The shortest turn from that axis to straight up; upside-down, half a turn about x.
+    # The shortest rotation from that axis to vertical; upside-down, half a turn about x.
     turn = np.array([[up[1], -up[0], 0.0, length + up[2]]])
     turn = np.array([[1.0, 0.0, 0.0, 0.0]]) if not turn[0, 3] > 1e-6 else turn / np.linalg.norm(turn)
     level = Poses3(np.zeros((1, 3)), turn)

@@ -1,4 +1,4 @@
-"""Mounts of the sensors of a recording on the robot, at each of their scans."""
+"""Mounts of a recording's sensors on the robot, at each of their scans."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from mapper.io.logs.recording.taken import Taken
 from mapper.io.logs.recording.transforms import FrameTree
 from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS
 
-#: ``T_optical_scan``: a camera looks along z, with x to the right (REP 103); a scan's x is ahead and its y to the left.
+#: ``T_optical_scan``: a camera looks along z, with x to the right (REP 103); a scan has x forward and y left.
 AHEAD_IN_OPTICAL = Poses3(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
 MOVED_M, MOVED_RAD = 0.002, 0.002  #: a sensor that moves no more than this on the robot has a fixed mount
-LEVEL = 0.9986  #: the z component of the z axis of a sensor that is tilted by 3°
-TILTED = 0.01  #: of the z component of a frame's z axis: a sensor by which it varies more tilts
+LEVEL = 0.9986  #: z component of the z axis of a sensor tilted by 3°
+TILTED = 0.01  #: variation of the z component of a frame's z axis above which the sensor tilts
 
 
 @dataclass(frozen=True, slots=True)
 class Mounting:
     """``mount`` (m, m, rad) is ``T_base_sensor`` at the first scan, ``mounts`` (n_scans, 3) at each if it moves.
 
-    ``tilting`` are the sensor's poses in the base frame at each scan, where it tilts, so that its scans are not level.
+    ``tilting`` are the sensor's poses in the base frame at each scan if it tilts, so that its scans are not level.
     """
 
     mount: tuple[float, float, float]
@@ -36,7 +36,7 @@ class Mounting:
 
 
 def mounting_of(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -> Mounting:
-    """Return the mount of a sensor on the robot whose frame is ``base``, by the transforms in ``tree``."""
+    """Return the mount of a sensor on the robot with base frame ``base``, from the transforms in ``tree``."""
     notes = _notes_on_frames(taken, tree, base, sensor)
     when = sensor.moments
     if sensor.kind in CLOUD_DECODERS:
@@ -74,7 +74,7 @@ def mounting_of(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -
 
 
 def is_assumed(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -> bool:
-    """Return whether no transform states where a sensor is on the robot, so that it is taken to be its centre."""
+    """Return whether no transform states the mount of a sensor, so that it is assumed at the robot's centre."""
     return base == sensor.frame and bool(tree.frames) and not tree.is_base(base, taken.children)
 
 
@@ -90,7 +90,7 @@ def _moves(mounts: NDArray[np.float64]) -> bool:
 
 
 def _greatest_change(mounts: NDArray[np.float64]) -> tuple[float, float]:
-    """Return by how many metres and radians the mounts (n, 3) differ from the first at most."""
+    """Return the maximum difference of the mounts (n, 3) from the first, metres and radians."""
     away = mounts - mounts[0]
     turn = np.abs(np.mod(away[:, 2] + np.pi, 2.0 * np.pi) - np.pi)
     return float(np.hypot(away[:, 0], away[:, 1]).max()), float(turn.max())

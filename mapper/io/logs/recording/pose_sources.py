@@ -1,4 +1,4 @@
-"""Sources of poses in a recording, and the robot's pose at each scan by each of them."""
+"""Sources of poses in a recording, and the robot's pose at each scan from each of them."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from mapper.sensors.georeference import Offset, note_on_offset, offset_of
 from mapper.sensors.scan import Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, number_before
 
-STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
+STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit into 64 bits
 SAME = 1e-3  #: metres and radians
 STILL = "standing still"
-FAR_NS = 1_000_000_000  #: from the nearest scan with a pose of a trajectory: what is carried on farther is noted
+FAR_NS = 1_000_000_000  #: from the nearest scan with a pose of a trajectory; longer continuations are noted
 
 
 @dataclass(frozen=True, slots=True)
 class StatedPoses:
-    """The planar poses (n, 3) of a source at the times at which it states them itself.
+    """The planar poses (n, 3) of a source at its own times.
 
-    ``stamps_ns`` (n,) are as stated, ``counted_ns`` (n,) those by which they ascend, also where a clock began again.
+    ``stamps_ns`` (n,) are as stated, ``counted_ns`` (n,) are ascending, also across restarts of the clock.
     """
 
     stamps_ns: Int64Array
@@ -38,12 +38,12 @@ class StatedPoses:
 
 @dataclass(frozen=True, slots=True)
 class PoseSource:
-    """Poses: ``at`` n times, as far as the source ``covers`` (n,) them; ``T_frame_child`` of two frames by name.
+    """Poses: ``at`` n times, if the source ``covers`` (n,) them; ``T_frame_child`` of two named frames.
 
-    ``stated`` returns them with their own stamps. Its clock is ``ahead_ns`` ahead of the scans' one, as far as the
-    recorder tells; ``is_scans_clock_own`` says that the scans' one is surely not the recorder's. ``is_odometry`` says
-    that they are counted from the robot's own motion, and ``repeats`` that they may be those of another source again,
-    as of a tracker that states its pose in tf as well: then they are left out.
+    ``stated`` returns them with their own stamps. Its clock is ``ahead_ns`` ahead of the scans' clock, according to the
+    recorder; ``is_scans_clock_own`` means that the scans' clock certainly differs from the recorder's. ``is_odometry``
+    means that they are integrated from the robot's own motion, and ``repeats`` that they may duplicate another source,
+    as for a tracker that also publishes its pose in tf; they are then dropped.
     """
 
     name: str
@@ -61,9 +61,9 @@ class PoseSource:
 
 @dataclass(frozen=True, slots=True)
 class PosesAtScans:
-    """The trajectories of n scans by name, which of the scans are to be ``kept`` (n,), and notes.
+    """The trajectories of n scans by name, which of the scans are ``kept`` (n,), and notes.
 
-    Scans of whose time no source has a pose are not kept: as in tf2, nothing is extrapolated, and theirs mean nothing.
+    Scans at whose time no source has a pose are dropped: as in tf2, nothing is extrapolated.
     """
 
     trajectories: dict[str, Trajectory]
@@ -79,16 +79,16 @@ def trajectories_at(
     refused: str = "",
     unused: str = "",
 ) -> PosesAtScans:
-    """Return what each source says of the scans' times, in its order; at least one trajectory.
+    """Return each source's poses at the scans' times, in order; at least one trajectory.
 
-    Without a usable source, that is a placeholder: ``base_frame`` at the origin of itself. ``refused`` says which poses
-    could not be read, and why, ``unused`` which messages are no source although they say where something is.
+    Without a usable source, that is a placeholder: ``base_frame`` at its own origin. ``refused`` has the poses that
+    could not be read, and why, ``unused`` the messages that state positions but are not a source.
 
-    A source whose poses are from another time than the scans is left out, unless their clocks alone differ: then both
-    are put together by when they were recorded, as they are where the scans' clock is surely another one and more scans
-    have poses so. Where another source has poses of more scans, it continues a trajectory before its first pose and
-    after its last (:func:`_continued`). Poses that are far from the origin of their frame, as projected coordinates
-    are, lose an offset: one for all in the same frame.
+    A source whose poses are from another time than the scans is dropped, unless only their clocks differ: then both are
+    matched by their recording times, as they are if the scans' clock certainly differs and more scans have poses in
+    this way. If another source has poses for more scans, it continues a trajectory before its first pose and after its
+    last (:func:`_continued`). An offset is subtracted from poses far from the origin of their frame, such as projected
+    coordinates: one for all in the same frame.
     """
     by_name: dict[str, Trajectory] = {}
     known: dict[str, NDArray[np.bool_]] = {}
@@ -125,7 +125,7 @@ def trajectories_at(
 
 
 def _moving_first(trajectories: dict[str, Trajectory], notes: list[str]) -> dict[str, Trajectory]:
-    """Return trajectories with those that never move behind the others, with a note where the first one is such."""
+    """Return trajectories with those that never move last, with a note if the first one never moves."""
     still = [name for name, trajectory in trajectories.items() if not np.ptp(trajectory.poses, axis=0).any()]
     first = next(iter(trajectories))
     if first not in still or len(still) == len(trajectories):
@@ -136,7 +136,7 @@ def _moving_first(trajectories: dict[str, Trajectory], notes: list[str]) -> dict
 
 
 def _known_to_any(trajectories: Mapping[str, Trajectory], known: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:
-    """Return of which scans (n,) any trajectory has a pose; one that never moves says nothing where others move."""
+    """Return for which scans (n,) any trajectory has a pose; one that never moves does not count if others move."""
     moving = [name for name, trajectory in trajectories.items() if np.ptp(trajectory.poses, axis=0).any()]
     return np.asarray(np.any([known[name] for name in moving or known], axis=0))
 
@@ -147,7 +147,7 @@ def _notes_on_left_out(
     known: Mapping[str, NDArray[np.bool_]],
     has_pose: NDArray[np.bool_],
 ) -> list[str]:
-    """Return a note on the scans of which there is no pose, by the reason."""
+    """Return a note on the scans without a pose, with the reason."""
     if has_pose.all():
         return []
     first = next(iter(trajectories))
@@ -175,10 +175,10 @@ def _continued(
     known: Mapping[str, NDArray[np.bool_]],
     has_pose: NDArray[np.bool_],
 ) -> tuple[dict[str, Trajectory], list[str]]:
-    """Return the trajectories of the scans of which ``has_pose`` (n,), and notes.
+    """Return the trajectories of the scans for which ``has_pose`` (n,), and notes.
 
-    Where a trajectory has no pose of a scan and another one has, it moves as the other there: the transform between
-    their frames (map → odom of REP 105) is that at the nearest scan of which both have a pose.
+    If a trajectory has no pose for a scan and another one has, it moves like the other there: the transform between
+    their frames (map → odom of REP 105) is that at the nearest scan for which both have a pose.
     """
     whole: dict[str, Trajectory] = {}
     notes: list[str] = []
@@ -206,7 +206,7 @@ def _continued(
 
 
 def _nearest(of_ns: Int64Array, stamps_ns: Int64Array) -> Int64Array:
-    """Return which of the times ``of_ns`` (m,) is nearest to each of ``stamps_ns`` (n,)."""
+    """Return the index of the time in ``of_ns`` (m,) nearest to each of ``stamps_ns`` (n,)."""
     order = np.argsort(of_ns, kind="stable")
     ascending = of_ns[order]
     after = np.searchsorted(ascending, stamps_ns)
@@ -218,7 +218,7 @@ def _nearest(of_ns: Int64Array, stamps_ns: Int64Array) -> Int64Array:
 def _are_alike(first: Trajectory, other: Trajectory, at: NDArray[np.bool_]) -> bool:
     """Return whether two trajectories are the same poses in the same frame, to a millimetre and a milliradian.
 
-    They are compared ``at`` the scans (n,) of which both have one.
+    They are compared ``at`` the scans (n,) for which both have one.
     """
     if (first.frame_id, first.offset) != (other.frame_id, other.offset) or not at.any():
         return False
@@ -245,7 +245,7 @@ def _without_poses(*, is_any: bool, refused: str, unused: str) -> str:
 def _at(
     when: Moments, source: PoseSource, limits: Limits, offsets: dict[str, Offset]
 ) -> tuple[Trajectory | None, NDArray[np.bool_], list[str]]:
-    """Return the poses of a source at the scans, of which scans (n,) it has one, and notes."""
+    """Return the poses of a source at the scans, for which scans (n,) it has one, and notes."""
     name, ahead = source.name, source.ahead_ns
     notes = []
     shift = 0
@@ -276,9 +276,9 @@ def _at(
 
 
 def _timed(stated: StatedPoses, shift_ns: int, offset: Offset, limits: Limits) -> TimedPoses | None:
-    """Return poses with stamps; None where they are beyond the limit of coordinates, or where a clock began again.
+    """Return poses with stamps; None if they exceed the limit of coordinates, or if a clock restarted.
 
-    Then a time would be that of several poses.
+    A time would then belong to several poses.
     """
     poses = stated.poses - np.array([*offset, 0.0])
     if np.abs(poses[:, :2]).max() > limits.max_pose or not (stated.stamps_ns == stated.counted_ns).all():
@@ -289,9 +289,9 @@ def _timed(stated: StatedPoses, shift_ns: int, offset: Offset, limits: Limits) -
 def odometry_among(
     sources: Iterable[PoseSource], trajectories: Mapping[str, Trajectory], when: Moments
 ) -> OdometryRecords | None:
-    """Return the poses of the first source that is odometry, messages before tf; None where there is none.
+    """Return the poses of the first odometry source, messages before tf; None if there is none.
 
-    The times ``when`` of the scans place them among the messages, in the order of the stamps.
+    The times ``when`` of the scans place them among the messages, in stamp order.
     """
     odometries = [source for source in sources if source.is_odometry and source.name in trajectories]
     for source in sorted(odometries, key=lambda source: source.name.startswith("tf/")):

@@ -1,4 +1,4 @@
-"""Poses in space as positions and unit quaternions.
+"""3D poses as positions and unit quaternions.
 
 Positions (n, 3) are metres, orientations (n, 4) unit quaternions x y z w. Source: Shoemake 1985 (slerp).
 """
@@ -14,7 +14,7 @@ from mapper.core.array_types import Float64Array
 from mapper.io.logs.ros.message_fields import Pose7
 from mapper.sensors.georeference import FARTHEST_M
 
-UNIT_TOLERANCE = 10e-3  #: of the squared length of a quaternion, as tf2's QUATERNION_NORMALIZATION_TOLERANCE
+UNIT_TOLERANCE = 10e-3  #: of the squared length of a quaternion, as in tf2's QUATERNION_NORMALIZATION_TOLERANCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Poses3:
 
     @property
     def planar(self) -> Float64Array:
-        """The poses seen from above (n, 3): x, y and the heading of the x axis."""
+        """The poses projected to the plane (n, 3): x, y and the heading of the x axis."""
         ahead = rotated(self.rotations, np.array([[1.0, 0.0, 0.0]]))
         return np.column_stack([self.positions[:, :2], np.arctan2(ahead[:, 1], ahead[:, 0])])
 
@@ -68,7 +68,7 @@ def poses_of(values: Float64Array) -> Poses3:
 
 
 def why_no_pose(pose: Pose7) -> str:
-    """Return what is wrong with a stated pose, as tf2 judges transforms; empty for a valid one."""
+    """Return what is wrong with a stated pose, by tf2's rules for transforms; empty for a valid one."""
     norm = sum(q * q for q in pose[3:])
     if norm - norm != 0.0:  # true for nan and inf
         return "its quaternion is not finite"
@@ -76,7 +76,7 @@ def why_no_pose(pose: Pose7) -> str:
         return "its quaternion is 0, 0, 0, 0, which is no rotation"
     if not abs(norm - 1.0) < UNIT_TOLERANCE:
         return f"its quaternion has the length {norm**0.5:.3g}, not 1"
-    # Written so that nan fails, too.
+    # Written such that NaN also fails.
     if not (abs(pose[0]) <= FARTHEST_M and abs(pose[1]) <= FARTHEST_M and abs(pose[2]) <= FARTHEST_M):
         finite = all(value - value == 0.0 for value in pose[:3])
         return f"its position is beyond {FARTHEST_M:g} m" if finite else "its position is not finite"
@@ -84,7 +84,7 @@ def why_no_pose(pose: Pose7) -> str:
 
 
 def interpolated(a: Poses3, b: Poses3, weights: Float64Array) -> Poses3:
-    """Return the poses (n,) between ``a`` and ``b`` by ``weights`` (n,): linear in position, the shorter arc."""
+    """Interpolate the poses (n,) between ``a`` and ``b`` by ``weights`` (n,): linear in position, the shorter arc."""
     w = weights[:, np.newaxis]
     return Poses3(a.positions + w * (b.positions - a.positions), _slerp(a.rotations, b.rotations, w))
 
@@ -104,13 +104,13 @@ def _product(a: Float64Array, b: Float64Array) -> Float64Array:
 
 
 def angles_between(a: Poses3, b: Poses3) -> Float64Array:
-    """Return by how much the orientations of ``a`` and ``b`` differ (n,), radians."""
+    """Return the angles (n,) between the orientations of ``a`` and ``b``, radians."""
     dots = np.abs(np.sum(a.rotations * b.rotations, axis=1))
     return np.asarray(2.0 * np.arccos(np.minimum(dots, 1.0)))
 
 
 def rotated(q: Float64Array, v: Float64Array) -> Float64Array:
-    """Return vectors (n, 3) turned by unit quaternions (n, 4); one of them may have n = 1."""
+    """Rotate vectors (n, 3) by unit quaternions (n, 4); one of them may have n = 1."""
     u, w = q[:, :3], q[:, 3:]
     t = 2.0 * np.cross(u, v)
     return np.asarray(v + w * t + np.cross(u, t))

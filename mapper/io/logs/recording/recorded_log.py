@@ -1,6 +1,6 @@
-"""The log of a robot made of a recording's messages: its sensors, each with its mount and poses, and its frames.
+"""Log of a robot assembled from a recording's messages: sensors with mounts and poses, and frames.
 
-Each sensor gets a trajectory from each source of poses: tf, odometry, a localiser's estimate.
+Each sensor gets one trajectory from each source of poses: tf, odometry, a localiser's estimate.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
 
-#: Which sensor is mapped where none is named: the first of these types.
+#: The sensor mapped by default is the first of these types.
 PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", *CLOUD_DECODERS, IMAGE, SONAR)
-FLOOR_SHARE = 0.1  #: of a cloud's beams: where more end at low points, a note says so
-_RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #: the first two are lidars alike
+FLOOR_SHARE = 0.1  #: of a cloud's beams: if more end at low points, there is a note
+_RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #: the first two are equivalent lidars
 
 
 class RecordedLog:
-    """The messages taken from the recording ``name``, of the format ``form``, as the log of a robot."""
+    """The messages read from the recording ``name``, of the format ``form``, as the log of a robot."""
 
     def __init__(self, taken: Taken, name: str, form: str) -> None:
         self._taken, self._name, self._form = taken, name, form
@@ -49,18 +49,18 @@ class RecordedLog:
             for stream in taken.streams
             if stream.bad
         ]
-        #: All sensors, the one to map where none is named first: the lidar with most scans, or else a cloud's …
+        #: All sensors, the default one first: the lidar with most scans, or else a cloud's …
         self._sensors = sorted(taken.sensors.values(), key=lambda sensor: (_RANK[sensor.kind], -sensor.n_scans))
-        #: The same sensors with their frames looked up in other topics of transforms; a person may choose one of them.
+        #: The same sensors with their frames looked up in other topics of transforms; a person may select one of them.
         self._in_other_tf = [other for sensor in self._sensors for other in self._looked_up_otherwise(sensor)]
-        #: Poses with stamps of their own, by the topic of transforms and the source.
+        #: Separately stamped poses, by the topic of transforms and the source.
         self._stated: dict[str, dict[tuple[str, ...], StatedPoses | None]] = {}
 
     def robot_log(self, selection: Selection) -> RobotLog:
-        """Return the log with the sensors that are selected, the preferred one first.
+        """Return the log with the selected sensors, the preferred one first.
 
-        Where all sensors are wanted, those of which no log can be made are left out, except the first. Raises
-        :class:`ReadError` where there are no scans, or none on a topic that is named, and :class:`LimitError`.
+        If all sensors are selected, those without a usable log are dropped, except the first. Raises :class:`ReadError`
+        if there are no scans, or none on a named topic, and :class:`LimitError`.
         """
         self._cut = selection.cut
         chosen = self._chosen(selection)
@@ -102,7 +102,7 @@ class RecordedLog:
     def _looked_up_otherwise(self, sensor: SensorScans) -> list[SensorScans]:
         """Return a sensor once for each other topic of transforms that may be its own, named in its topic's name.
 
-        Those that are cut out of clouds are read again for each: they are cut with the transforms of one topic.
+        Those extracted from clouds are read again for each, because extraction uses the transforms of one topic.
         """
         if self._taken.tf.is_chosen:
             return []
@@ -143,7 +143,7 @@ class RecordedLog:
         )
 
     def _notes_on_others(self, chosen: list[SensorScans]) -> tuple[str, ...]:
-        """Return a note on the sonars that make one map with the one that is chosen, and one on all other sensors."""
+        """Return a note on the sonars that make one map with the chosen one, and one on all other sensors."""
         first = chosen[0]
         mapped = [first.topic]
         notes = []
@@ -220,7 +220,7 @@ class RecordedLog:
             mount_assumed=is_assumed(self._taken, tree, base, sensor),
             limits=self._limits,
         )
-        if _has_runs(sensor):  # a time within a scan would be that of poses of several runs
+        if _has_runs(sensor):  # otherwise a time within a scan would belong to poses of several runs
             groups = [replace(group, time_increment=0.0) for group in groups]
         parts = [self._with_beams(whole, group, mounting, sensor.beam_width) for group in groups]
         if not poses.kept.all():
@@ -231,7 +231,7 @@ class RecordedLog:
     def _with_beams(self, whole: ScanLog, group: ScanGroup, mounting: Mounting, beam_width: float) -> ScanLog:
         """Return the scans of a group of a log, with their readings."""
         ranges = group.ranges if group.ranges.flags.writeable else group.ranges.copy()
-        ranges[ranges <= 0.0] = np.nan  # REP 117: −inf is too close to measure; many drivers say 0 instead
+        ranges[ranges <= 0.0] = np.nan  # REP 117: −inf is too close to measure; many drivers use 0 instead
         angle_min, increment, least, time_increment = (
             group.angle_min, group.angle_increment, group.range_min, group.time_increment,
         )  # fmt: skip
@@ -293,16 +293,16 @@ class RecordedLog:
         return [*notes, f"{note}: as in tf2, each scan has the poses of its own run."]
 
     def _base_that_moves(self, tree: FrameTree, base: str) -> str:
-        """Return ``base``, or the robot's where tf lacks the sensor's mount, so that nothing moves.
+        """Return ``base``, or the robot's base if tf lacks the sensor's mount, so that nothing moves.
 
-        Recorders that start late miss /tf_static; the robot's poses are of use all the same.
+        Recorders that start late miss /tf_static, but the robot's poses are still useful.
         """
         if tree.worlds(base) or tree.is_base(base, self._taken.children):
             return base
         return tree.base_apart(base, self._taken.children) or base
 
     def _refused_poses(self) -> str:
-        """Return which messages with poses could not be read, and why; nothing where all could be."""
+        """Return which messages with poses could not be read, and why; nothing if all could be."""
         poses = (*POSES, *TRANSFORMS)
         refused = [
             f"{stream.topic}: {why.sentence}"
@@ -314,7 +314,7 @@ class RecordedLog:
         return listed(refused, 3)
 
     def _note_on_tf(self, sensor: SensorScans) -> list[str]:
-        """Return a note on which topic's transforms are taken where several might be."""
+        """Return a note on which topic's transforms are used if there are several candidates."""
         choice = self._taken.tf.choice(sensor.topic, sensor.frame)
         if not choice.others:
             return []
@@ -335,7 +335,7 @@ class RecordedLog:
                 key = (stream.topic, stream.kind)
                 known = rest.get(key, Topic(*key, 0))
                 rest[key] = replace(known, count=known.count + stream.count)
-        # Sensors whose scans were not asked for are listed among the others.
+        # Unselected sensors are listed among the others.
         sensors += [stream for (_, kind), stream in rest.items() if kind in PREFERENCE and stream.count]
         others = [stream for _, stream in sorted(rest.items()) if stream not in sensors]
         return (*sorted(sensors, key=lambda stream: -stream.count), *others)
@@ -370,6 +370,6 @@ def _has_runs(sensor: SensorScans) -> bool:
 
 
 def listed(names: list[str], most: int = 6) -> str:
-    """Return the first of ``names`` with commas between them."""
+    """Return the first of ``names``, separated by commas."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(name[:400] for name in names[:most]) + more

@@ -1,7 +1,7 @@
 """The clouds and IMUs of a recording as streams of its log, and their messages as they are asked for.
 
-The readers of containers hand their messages over, so one runs on a thread of its own, which waits while
-:data:`AHEAD` messages have not been asked for.
+The readers of containers push their messages, so one runs on a separate thread, which waits while :data:`AHEAD`
+messages have not been consumed.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ from mapper.sensors.point_cloud import PointCloud
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.streams import CloudStream, ImuSamples, ImuStream
 
-AHEAD = 2  #: messages that are read before they are asked for
-_LOOK_S = 0.2  #: between two looks whether the messages are still wanted
+AHEAD = 2  #: messages read ahead
+_LOOK_S = 0.2  #: between two checks whether the messages are still needed
 
 Take = Callable[[Source, MessageSink, Limits, Progress | None], None]
 
 
 @dataclass(frozen=True, slots=True)
 class PulledMessage:
-    """A message: of which type it is, whether it is CDR, and when it was recorded."""
+    """A message: its type, whether it is CDR, and its recording time."""
 
     stamp_ns: int
     type: str
@@ -57,7 +57,7 @@ class PulledMessage:
 
 
 class _UnwantedError(Exception):
-    """Nobody asks for more messages."""
+    """No more messages are needed."""
 
 
 class _Pulled(MessageSink):
@@ -103,9 +103,9 @@ class _Pulled(MessageSink):
 
 
 def pulled(files: Sequence[Source], take: Take, topic: str, kind: str, limits: Limits) -> Iterator[PulledMessage]:
-    """Yield the messages of one topic and type of the recording that is in ``files``.
+    """Yield the messages of one topic and type of the recording in ``files``.
 
-    Of a file that is cut or damaged, those that can be read. Raises as reading the recording does.
+    For a cut or damaged file, those that can be read. Raises the errors of reading the recording.
     """
     queue: Queue[PulledMessage | None] = Queue(AHEAD)
     closed = threading.Event()
@@ -145,19 +145,19 @@ def pulled(files: Sequence[Source], take: Take, topic: str, kind: str, limits: L
 
 
 IMU = "sensor_msgs/Imu"
-IMU_ROWS = 1 << 12  #: messages in one part of an IMU's stream
+IMU_ROWS = 1 << 12  #: messages per part of an IMU's stream
 DEPTH_DECODERS: dict[str, Callable[..., DepthImage]] = {IMAGE: depth_image, COMPRESSED: compressed_depth_image}
 
 
 @dataclass(frozen=True, slots=True)
 class _Recorded:
-    """A recording: its files in their order, what reads one, and what was taken of all."""
+    """A recording: its files in order, the function that reads one, and what was read from all."""
 
     files: Sequence[Source]
     take: Take
     taken: Taken
-    trajectory: str | None = None  #: the one along which clouds are, by its name in the log; None: the usual one
-    _motions: dict[tuple[str, str], Motion] = field(default_factory=dict)  #: made when first asked
+    trajectory: str | None = None  #: the trajectory of the clouds, by its name in the log; None: the default
+    _motions: dict[tuple[str, str], Motion] = field(default_factory=dict)  #: computed on first use
 
     @property
     def limits(self) -> Limits:
@@ -191,7 +191,7 @@ class _Recorded:
                 )
 
     def mounts(self, topic: str, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
-        """Return ``T_base_frame`` (n, 4, 4) at n stamps; None where tf does not name the frame's place on a base."""
+        """Return ``T_base_frame`` (n, 4, 4) at n stamps; None if tf does not connect the frame to a base."""
         tree, children = self.taken.tf.tree_of(topic, frame), self.taken.children
         base = tree.base_of(frame, children)
         if base == frame and not tree.is_base(frame, children):
@@ -204,12 +204,12 @@ class _Recorded:
         return out
 
     def poses(self, topic: str, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
-        """Return ``T_fixed_frame`` (n, 4, 4) at n stamps, NaN where it is not known; None where nothing says it.
+        """Return ``T_fixed_frame`` (n, 4, 4) at n stamps, NaN if unknown; None if nothing states it.
 
-        The fixed frame is tf's ``map`` around the frame, else the farthest in which it moves, else that of odometry
-        messages, or of others with poses, of a frame to which this one is connected; or that of the ``trajectory``.
-        Where the clock of the recording began again, a stamp that is one of several runs has no pose. Raises
-        :class:`ReadError` where the recording lacks the trajectory.
+        The fixed frame is tf's ``map`` above the frame, else the farthest frame in which it moves, else that of
+        odometry or other pose messages for a frame connected to this one; or that of the ``trajectory``. If the clock
+        of the recording restarted, a stamp that belongs to several runs has no pose. Raises :class:`ReadError` if the
+        recording lacks the trajectory.
         """
         matrices = np.full((len(stamps_ns), 4, 4), np.nan)
         times_known = np.zeros(len(stamps_ns), dtype=np.int64)
@@ -251,8 +251,8 @@ class _Recorded:
     def depths(self, topic: str, kind: str) -> Iterator[PointCloud]:
         """Yield the depth images of a topic and type as organised clouds in the optical frame.
 
-        Raises :class:`ReadError` for a topic without a CameraInfo beside it, for images of another size than that says,
-        and behind the last depth image for images of another encoding.
+        Raises :class:`ReadError` for a topic without a CameraInfo next to it, for images of a different size, and after
+        the last depth image for images of another encoding.
         """
         camera = self._camera(topic)
         other = bad = ""
@@ -298,7 +298,7 @@ def _matrices(poses: Poses3, known: NDArray[np.bool_]) -> NDArray[np.float64]:
 
 
 def with_streams(log: RobotLog, files: Sequence[Source], take: Take, taken: Taken) -> RobotLog:
-    """Return the log of a recording with its clouds and IMUs, which are read from ``files`` when asked for."""
+    """Return the log of a recording with its clouds and IMUs, which are read from ``files`` on demand."""
     streams = streams_of(files, take, taken)
     return replace(log, clouds=streams.clouds, imus=streams.imus)
 
@@ -312,7 +312,7 @@ class Streams(NamedTuple):
 
 
 def streams_of(files: Sequence[Source], take: Take, taken: Taken, trajectory: str | None = None) -> Streams:
-    """Return the clouds, IMUs and images of a recording, which are read from ``files`` when asked for.
+    """Return the clouds, IMUs and images of a recording, which are read from ``files`` on demand.
 
     Clouds are along the ``trajectory``, if one is named.
     """
@@ -329,7 +329,7 @@ def streams_of(files: Sequence[Source], take: Take, taken: Taken, trajectory: st
     }
     depths = {
         topic: CloudStream(topic, count, partial(recorded.depths, topic, kind), *places[topic])
-        for message_type in DEPTH_DECODERS  # images as they are before compressed ones
+        for message_type in DEPTH_DECODERS  # raw images before compressed ones
         for (topic, kind), count in counts.items()
         if kind == message_type
     }

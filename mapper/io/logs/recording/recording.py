@@ -1,6 +1,6 @@
-"""The messages of a recording, whatever container they came in, put together to a log.
+"""Assembly of a recording's messages, from any container, into a log.
 
-A container's reader announces each stream of messages (:meth:`Recording.channel`) and hands its messages over
+A container's reader announces each stream of messages (:meth:`Recording.channel`) and passes on its messages
 (:meth:`Recording.take`); :meth:`Recording.robot_log` makes the log of a robot out of them
 (:mod:`mapper.io.logs.recording.recorded_log`).
 """
@@ -37,17 +37,17 @@ from mapper.io.logs.selection import Selection
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import are_degrees, is_angle_step
 
-MAX_CHILDREN = 100  #: frames of which messages state the poses
+MAX_CHILDREN = 100  #: frames whose poses are stated by messages
 
-MOST_ANGLE = 100.0  #: radians: what is stated as more is no angle
+MOST_ANGLE = 100.0  #: radians: larger values are not angles
 
 Take = Callable[[Stream, int, bytes], None]
 
 
 class Recording(MessageSink):
-    """Takes a recording message by message; :meth:`robot_log` makes a log of what it took.
+    """Processes a recording message by message; :meth:`robot_log` creates a log from the result.
 
-    Of the scans only those of the sensors in ``selection`` are taken.
+    Only scans of the sensors in ``selection`` are used.
     """
 
     def __init__(self, limits: Limits, selection: Selection | None = None) -> None:
@@ -55,31 +55,31 @@ class Recording(MessageSink):
         self.selection = selection or Selection()
         self.notes = []
         self._taken = Taken(limits, TfTopics(limits, self.selection.tf), self.notes)
-        self._channels: dict[int, tuple[Stream, Take | None]] = {}  #: of the file that is read
+        self._channels: dict[int, tuple[Stream, Take | None]] = {}  #: of the current file
         self._streams: dict[tuple[str, str, bool, bool], tuple[Stream, Take | None]] = {}
         self._cutter = Cutter(self.selection, self._taken.tf, self._taken.children, self._take_beams)
-        self._pictures: set[str] = set()  #: topics of images that are no depth images
+        self._pictures: set[str] = set()  #: topics of images that are not depth images
         self._has_lidar = False
-        self._paths: dict[str, tuple[Stream, int, bytes]] = {}  #: the last message of each topic of paths
-        self._position = 0  #: the number of the message that is taken
+        self._paths: dict[str, tuple[Stream, int, bytes]] = {}  #: the last message of each path topic
+        self._position = 0  #: index of the current message
         self._messages = 0
         self._scans = 0
         self._readings = 0
 
     @property
     def taken(self) -> int:
-        """Scans taken so far, of all sensors."""
+        """Number of scans so far, of all sensors."""
         return self._scans
 
     @property
     def parts(self) -> Taken:
-        """The messages of which the log is made."""
+        """The messages from which the log is made."""
         return self._taken
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
-        """Announce a stream of messages: ``kind`` is their type, ``cdr`` whether they are serialised as ROS 2 does.
+        """Announce a stream of messages: ``kind`` is their type, ``cdr`` whether they use the serialisation of ROS 2.
 
-        Messages of a type that no map is made of, or that are not ``readable``, are only counted.
+        Messages of types not used for maps, or that are not ``readable``, are only counted.
         """
         name, kind = printable(topic[:200]), printable(plain_type(kind)[:200])
         stream = (name, kind, cdr, readable)
@@ -95,7 +95,7 @@ class Recording(MessageSink):
         self._channels[key] = self._streams[stream]
 
     def _taker_of(self, topic: str, kind: str) -> Take | None:
-        """Return what takes the messages of a stream, None where nothing is made of them."""
+        """Return the handler of a stream's messages, None if they are not used."""
         if kind in SENSORS:
             return self._take_scan if self.selection.wants(topic) else None
         if kind == PATH:
@@ -111,22 +111,22 @@ class Recording(MessageSink):
         return self._cutter.take_camera if kind == CAMERA else None
 
     def _is_passed_over(self, stream: Stream) -> bool:
-        """Return whether a stream is not cut: a picture's, and, unless it is named, any where there is a lidar."""
+        """Return whether a stream is not used for scans: pictures and, unless named, any if there is a lidar."""
         if stream.kind != IMAGE and stream.kind not in CLOUD_DECODERS:
             return False
         return stream.topic in self._pictures or (self._has_lidar and not self.selection.names(stream.topic))
 
     @property
     def topics_of_file(self) -> set[str]:
-        """Topics of the file that is read."""
+        """Topics of the current file."""
         return {stream.topic for stream, _ in self._channels.values()}
 
     def next_file(self) -> None:
-        """Go on with another file of the same recording, in which streams have keys of their own."""
+        """Continue with another file of the same recording, with its own stream keys."""
         self._channels.clear()
 
     def wants(self, key: int) -> bool:
-        """Return whether anything is made of this stream's messages."""
+        """Return whether this stream's messages are used."""
         if key not in self._channels:
             return False
         stream, take = self._channels[key]
@@ -137,15 +137,14 @@ class Recording(MessageSink):
         return key in self._channels
 
     def pass_over(self, key: int, count: int) -> None:
-        """Count messages of a stream of which nothing is made, and which were not read."""
+        """Count unused messages of a stream, which were not read."""
         if key in self._channels:
             self._channels[key][0].count += count
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002 - as sinks
-        """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is skipped.
+        """Process one message, recorded at ``stamp_ns``; one of an unannounced stream is skipped.
 
-        Of a stream that is not wanted, ``data`` may be left out and ``size`` say how many bytes there are. Raises
-        :class:`LimitError`.
+        For an unused stream, ``data`` may be omitted and ``size`` is its size in bytes. Raises :class:`LimitError`.
         """
         if key not in self._channels:
             return
@@ -162,7 +161,7 @@ class Recording(MessageSink):
                 f"The log has more than the limit of {self.limits.max_messages} messages of scans and poses.",
             )
         try:
-            if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+            if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message separately
                 data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
             take(stream, stamp_ns, data)
         except NotDepthError:
@@ -205,7 +204,7 @@ class Recording(MessageSink):
         sensor.clock.add(at, _stamp(stamp_ns, 0))
 
     def _sensor_of(self, stream: Stream, frame: str, beam_width: float) -> SensorScans:
-        """Return the sensor that a message is of: several may share a topic, by their frames or their types."""
+        """Return the sensor of a message: several may share a topic, distinguished by frame or type."""
         sensors = self._taken.sensors
         name, *longer = stream.topic, f"{stream.topic}#{frame[:100]}", f"{stream.topic}#{stream.kind}#{frame[:100]}"
         while longer and name in sensors and (sensors[name].kind, sensors[name].frame) != (stream.kind, frame):
@@ -245,11 +244,11 @@ class Recording(MessageSink):
         return poses[name]
 
     def _keep_path(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
-        """Keep the last path of a topic: one that grows has in it all that came before."""
+        """Keep the last path of a topic, because a growing path contains all earlier poses."""
         self._paths[stream.topic] = (stream, stamp_ns, data)
 
     def _take_paths(self) -> None:
-        """Take the paths that are trajectories: the stamps of their poses ascend. Those of plans are all alike."""
+        """Use the paths that are trajectories, with ascending stamps; all poses of plans have the same stamp."""
         for stream, stamp_ns, data in self._paths.values():
             try:
                 poses = POSES[PATH](data, cdr=stream.cdr)
@@ -270,7 +269,7 @@ class Recording(MessageSink):
                 stream.leave_out(ignored)
 
     def _count_on(self) -> None:
-        """Count the stamps on where the clock of the recording began again, so that each run has its own times."""
+        """Continue the stamps across restarts of the recording's clock, so that each run has its own times."""
         taken = self._taken
         lines = [*taken.tf.timelines, *((known.topic, known.timeline) for known in taken.poses.values())]
         lines = [(topic, line) for topic, line in lines if len(line)]
@@ -306,7 +305,7 @@ class Recording(MessageSink):
             sensor.offsets = own
 
     def _by_clocks_never_set(self, senders: Sequence[tuple[str, Timeline | SensorScans]]) -> list[Track]:
-        """Return the tracks of senders, those whose clock was set by itself with stamps as if it had not been."""
+        """Return the tracks of senders, with individual clock steps removed from the stamps."""
 
         def track_of(topic: str, sender: Timeline | SensorScans) -> Track:
             return sender.track if isinstance(sender, SensorScans) else Track(topic, *sender.track)
@@ -338,9 +337,9 @@ class Recording(MessageSink):
             taken.tf_clock.set_to(*(np.concatenate([track[k] for track in of_tf]) for k in (0, 2)))
 
     def _take_recorded_times(self, sensors: Iterable[SensorScans]) -> None:
-        """Give messages that their stamps do not tell apart the times at which they were recorded.
+        """Replace the stamps of messages that the stamps do not distinguish by their recording times.
 
-        tf2 keeps one transform of a stamp, and refuses a look-up at any other time.
+        tf2 keeps one transform per stamp, and refuses a look-up at any other time.
         """
         taken = self._taken
         counted = [(f"{sensor.n_scans} scans on {sensor.topic}", sensor.take_recorded_times()) for sensor in sensors]
@@ -360,7 +359,9 @@ class Recording(MessageSink):
                 self.notes.append(f"{who} {what} {why}: each gets the time at which it was recorded.")
 
     def finish(self) -> None:
-        """Take what was held until all messages had come. Raises :class:`ReadError` where there is no such tf."""
+        """Process the messages held until the end. Raises :class:`ReadError` if the requested tf topic does not
+        exist.
+        """
         self._taken.tf.check()
         self._cutter.finish()
         self.notes += self._taken.tf.part_senders()
@@ -371,19 +372,19 @@ class Recording(MessageSink):
         self._taken.heights = self._cutter.heights
 
     def robot_log(self, name: str, form: str) -> RobotLog:
-        """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
+        """Return the log of a recording with this name and format, see :meth:`RecordedLog.robot_log`."""
         self.finish()
         return RecordedLog(self._taken, name, form).robot_log(self.selection)
 
 
 def _what_is_wrong(beams: Beams) -> str:
-    """Return why no beam of a message points anywhere; nothing where they do. Its range limits are judged later."""
+    """Return why no beam of a message has a direction; nothing if they do. Its range limits are checked later."""
     n = len(beams.ranges)
     if n == 0:
         return "they have no readings"
     for name in ("angle_min", "angle_increment", "beam_width"):
         value = getattr(beams, name)
-        if not abs(value) < MOST_ANGLE:  # nan too
+        if not abs(value) < MOST_ANGLE:  # also NaN
             return f"the {'field_of_view' if name == 'beam_width' else name} is {value:g} rad"
     if not is_angle_step(beams.angle_increment, n):
         return f"the angle_increment is {beams.angle_increment:g} rad for {n} beams"
@@ -391,5 +392,5 @@ def _what_is_wrong(beams: Beams) -> str:
 
 
 def _stamp(stated_ns: int, recorded_ns: int) -> int:
-    """Return the time that a message states, or else when it was recorded, or else 0."""
+    """Return the time stated by a message, or else its recording time, or else 0."""
     return next((t for t in (stated_ns, recorded_ns) if t and abs(t) < STAMP_LIMIT_NS), 0)

@@ -1,7 +1,7 @@
-"""Odometry that begins again at 0, as where the driver of a robot's base is restarted: it is counted on from there.
+"""Odometry that restarts at 0, for example after a restart of the base driver, is continued from there.
 
-A robot that drives back to where it began is not at 0 to a millimetre, and not at once; a tracker that loses its place
-states 0 for a while and then goes on where it was. Where the whole recording begins again, see
+A robot that drives back to its start is not at 0 to a millimetre, and not immediately; a tracker that loses tracking
+states 0 for a while and then continues where it was. For restarts of the whole recording, see
 :mod:`mapper.io.logs.recording.runs`.
 """
 
@@ -18,17 +18,17 @@ from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.timeline import Moments
 
-EXACT = 1e-3  #: metres and radians from 0: only odometry that begins is there
-NEAR = 0.02  #: the same, where the robot would have come there faster than it ever moves
-LEAST_AWAY = 0.3  #: metres or radians, from which it would have come
-MOST_BETWEEN_S = 10.0  #: from the pose before; it may have driven there meanwhile, or a clock was set
-ALIKE_M, ALIKE = 0.1, 0.1  #: metres, and the share of a distance, by which that in another scan may differ
-MOST_ALIKE = 0.7  #: of the distances of two scans, if they are of one place
-FASTEST, FASTER = 3.0, 3.0  #: m/s and rad/s, and times as fast as in nineteen steps of twenty: so no robot moves
+EXACT = 1e-3  #: metres and radians from 0: only restarted odometry is this near
+NEAR = 0.02  #: the same, if the robot would have come there impossibly fast
+LEAST_AWAY = 0.3  #: metres or radians from which it would have come
+MOST_BETWEEN_S = 10.0  #: since the pose before; in a longer time it may have driven there, or a clock was set
+ALIKE_M, ALIKE = 0.1, 0.1  #: metres, and relative tolerance, for distances in two scans
+MOST_ALIKE = 0.7  #: fraction of agreeing distances in two scans of one place
+FASTEST, FASTER = 3.0, 3.0  #: m/s and rad/s, and a factor of the 95th percentile: impossible speeds
 
 
 def restarts_of(stated: StatedPoses) -> Int64Array:
-    """Return the indices of the poses (n, 3) with which odometry begins again at 0; none where it leaps otherwise."""
+    """Return the indices of the poses (n, 3) at which odometry restarts at 0; none if it also jumps otherwise."""
     poses, seconds = stated.poses, np.diff(stated.counted_ns) * 1e-9
     if len(poses) < 3:
         return np.zeros(0, dtype=np.int64)
@@ -46,9 +46,9 @@ def restarts_of(stated: StatedPoses) -> Int64Array:
 
 
 def sees_the_same(ranges: NDArray[np.float32], other: NDArray[np.float32]) -> bool:
-    """Return whether two scans may be of one place, however the robot has turned: their distances are alike.
+    """Return whether two scans may be from one place, in any heading: their distances agree.
 
-    Of a robot that was carried to where it began, as a simulated one that is reset, they are not.
+    They do not if the robot was carried back to its start, like a simulated robot that is reset.
     """
     known = [scan[np.isfinite(scan) & (scan > 0.0)] for scan in (ranges, other)]
     if min(map(len, known)) == 0:
@@ -58,7 +58,7 @@ def sees_the_same(ranges: NDArray[np.float32], other: NDArray[np.float32]) -> bo
 
 
 def counted_on(source: PoseSource, stated: StatedPoses, restarts: Int64Array) -> PoseSource:
-    """Return a source whose poses go on where they begin again, those with indices ``restarts``."""
+    """Return a source whose poses continue at the ``restarts``, the indices of poses at which they restart."""
     before, begins = stated.counted_ns[restarts - 1], stated.counted_ns[restarts]
     ends, starts = source.at(Moments(before)), source.at(Moments(begins))
     ahead = Poses3(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))

@@ -1,7 +1,7 @@
-"""The sources of poses of the robot that carries a sensor: tf, odometry, the estimates of localisers and trackers.
+"""Sources of poses of the robot that carries a sensor: tf, odometry, estimates of localisers and trackers.
 
-A message states the pose of a frame of the robot that need not be its base: of a camera that tracks, of a body with
-markers. tf gives the rest: ``T_odom_base = T_odom_child · T_child_base``.
+A message states the pose of a frame of the robot that need not be its base, but for example a tracking camera or a body
+with markers. tf provides the rest: ``T_odom_base = T_odom_child · T_child_base``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.recording.transforms import FrameTree, Path, is_fixed_name
 from mapper.io.logs.ros.ros_messages import PATH, WITHOUT_HEADER
 
-#: Types of poses, the one that is most likely to be of the robot's own motion first.
+#: Types of poses, in descending likelihood of being the robot's own motion.
 KINDS = (
     ODOMETRY,
     "geometry_msgs/PoseWithCovarianceStamped",
@@ -35,7 +35,7 @@ KINDS = (
     PATH,
     *WITHOUT_HEADER,
 )
-#: Types of messages that say where something is, or how it moves, and are no source, with the reason.
+#: Types of messages that state positions or motions but are not a source, with the reason.
 NO_SOURCES = {
     "geometry_msgs/PoseArray": "many poses at one time",
     PATH: "poses whose stamps do not ascend",
@@ -44,18 +44,18 @@ NO_SOURCES = {
     "geometry_msgs/Twist": "velocities",
     "geometry_msgs/TwistStamped": "velocities",
 }
-#: Words in the names of topics of goal poses.
+#: Words in the names of goal topics.
 WANTED = frozenset(("goal", "target", "setpoint", "waypoint", "initialpose", "initial", "desired", "reference", "plan"))
-LEAST_SPEED = 0.02  #: m/s, at which a robot drives
-MOST_BETWEEN_S = 5.0  #: usually between two poses that follow a motion
+LEAST_SPEED = 0.02  #: m/s of a driving robot
+MOST_BETWEEN_S = 5.0  #: usual interval of poses that follow a motion
 
 
 @dataclass(slots=True)
 class RobotPoses:
-    """The sources of the poses of a robot's ``base``, by the transforms of ``tree``, for the scans of ``sensor``.
+    """The sources of poses of a robot's ``base``, from the transforms of ``tree``, for the scans of ``sensor``.
 
-    ``others`` are the transforms of other topics that may be this robot's, by topic. ``notes`` are filled by
-    :meth:`sources`. ``stated`` keeps what sources state with their own stamps.
+    ``others`` are the transforms of other topics that may belong to this robot, by topic. ``notes`` are filled by
+    :meth:`sources`. ``stated`` keeps the sources' poses with their own stamps.
     """
 
     taken: Taken
@@ -67,7 +67,7 @@ class RobotPoses:
     stated: dict[tuple[str, ...], StatedPoses | None]
 
     def sources(self) -> list[PoseSource]:
-        """Return the sources: each fixed frame that the base moves in by tf, then each topic of poses.
+        """Return the sources: each fixed frame in which the base moves in tf, then each topic of poses.
 
         The last ones are those of other topics of tf.
         """
@@ -96,7 +96,7 @@ class RobotPoses:
         return [source if source.is_odometry else self._carried(source, odometry) for source in pose_sources]
 
     def _levelled(self, source: PoseSource) -> PoseSource:
-        """Return a source in a level frame, with a note where it is another one."""
+        """Return a source in a level frame, with a note if it was changed."""
         level = levelled(source)
         if level is None:
             return source
@@ -107,7 +107,7 @@ class RobotPoses:
         return level[0]
 
     def _counted_on(self, source: PoseSource) -> PoseSource:
-        """Return odometry that goes on where it begins again at 0, with a note."""
+        """Return odometry continued across restarts at 0, with a note."""
         stated = source.stated()
         restarts = np.zeros(0, dtype=np.int64) if stated is None else restarts_of(stated)
         if stated is None or not len(restarts) or len(self.taken.run_offsets) > 1:
@@ -124,16 +124,16 @@ class RobotPoses:
         return counted_on(source, stated, restarts)
 
     def _scans_after(self, stamps_ns: Sequence[int]) -> str:
-        """Return the numbers of the first scans after some times, the first three of them."""
+        """Return the indices of the first scans after some times, for the first three of them."""
         stamps = self.sensor.moments.stamps_ns
         first = [str(int(np.count_nonzero(stamps < stamp_ns)) + 1) for stamp_ns in stamps_ns[:3]]
         return ", ".join(first) + (f" and {len(stamps_ns) - 3} more times" if len(stamps_ns) > 3 else "")
 
     def _carried(self, source: PoseSource, odometry: list[PoseSource]) -> PoseSource:
-        """Return a source that moves as ``odometry`` does between its poses, where that has more of them.
+        """Return a source that moves like ``odometry`` between its poses, if that has more of them.
 
-        A localiser states a pose after so much motion, at a corner and after a rest as well. Where what it corrects is
-        more than a drift, its poses are interpolated in time.
+        A localiser publishes a pose after a certain motion, at corners and after rests. If its corrections exceed
+        drift, its poses are interpolated in time.
         """
         sparse = source.stated()
         if sparse is None or len(self.taken.run_offsets) > 1:
@@ -153,9 +153,9 @@ class RobotPoses:
         return source
 
     def _along(self, source: PoseSource, made: Moments, odometry: PoseSource, known: Moments) -> PoseSource:
-        """Return a source, whose poses were ``made`` at some times, that moves as ``odometry`` between them.
+        """Return a source, whose poses were ``made`` at some times, that moves like ``odometry`` in between.
 
-        That is ``known`` at its own times.
+        The odometry is ``known`` at its own times.
         """
         between = source.at(made) @ odometry.at(made).inverse
         are_leaps, leaps = leaps_of(made.stamps_ns, between, odometry.at, known)
@@ -213,7 +213,7 @@ class RobotPoses:
         return list(by_name.values())
 
     def _said_of(self, name: str, leaps: Sequence[Leap]) -> str:
-        """Return a note on leaps of a robot by poses of some name."""
+        """Return a note on jumps of a robot in poses of some name."""
         by = f"{max(leap.metres for leap in leaps):.2f} m and {np.degrees(max(leap.radians for leap in leaps)):.0f}°"
         scans = f"before scan {self._scans_after([leap.stamp_ns for leap in leaps])}"
         return (
@@ -222,9 +222,9 @@ class RobotPoses:
         )
 
     def _own_topics(self) -> list[str]:
-        """Return the topics of poses that may be of this robot, in the order of preference: the nearest first.
+        """Return the topics of poses that may belong to this robot, nearest namespace first.
 
-        A topic is another robot's where its namespace has sensors or transforms of its own.
+        A topic belongs to another robot if its namespace has its own sensors or transforms.
         """
         own = namespaces(self.sensor.topic)
         root = own[-2] if len(own) > 1 else ""
@@ -248,7 +248,7 @@ class RobotPoses:
             return None
         base = self.base[:MAX_FRAME_NAME]
         if base == self.sensor.frame[:MAX_FRAME_NAME] and base not in self.taken.children and not self.tree.knows(base):
-            # tf does not name the base: an odometry message may.
+            # tf does not name the base, but an odometry message may.
             base = min(self.taken.children, default="base_link")
         frame, child = known.frame, known.child or base
         # Stated the other way round, as some state the transform: the fixed frame in the robot's.
@@ -298,7 +298,7 @@ class RobotPoses:
         )
 
     def unused(self) -> list[str]:
-        """Return the topics that say where something is, and are no source, each with its type and the reason."""
+        """Return the topics that state positions but are not a source, each with its type and the reason."""
         notes = []
         for stream in self.taken.streams:
             why = None if stream.topic in self.taken.poses else NO_SOURCES.get(stream.kind)
@@ -309,7 +309,7 @@ class RobotPoses:
         return notes
 
     def _is_no_motion(self, topic: str, known: PoseTopic) -> bool:
-        """Return whether poses are those of goals, or too far apart in time to be of a motion, which is noted."""
+        """Return whether poses are goals, or too far apart in time to describe a motion, which is noted."""
         if known.kind == ODOMETRY:
             return False
         if _is_wanted(known.topic):
@@ -336,7 +336,7 @@ class RobotPoses:
         path: Path,
         motion: Motion,
     ) -> StatedPoses | None:
-        """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
+        """Return the pose of a path's first frame in its last, at all times at which a part of it was stated."""
         if key not in self.stated:
             when, stamps = tree.stated(path)
             known = motion.covers(when.stamps_ns)
@@ -358,5 +358,5 @@ class RobotPoses:
 
 
 def _is_wanted(topic: str) -> bool:
-    """Return whether poses on a topic are, by its name, goals."""
+    """Return whether poses on a topic are goals, by its name."""
     return bool(WANTED & set(re.split(r"[^a-z]+", topic.lower())))

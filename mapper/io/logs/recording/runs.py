@@ -1,21 +1,21 @@
-"""Where the clock of a recording begins again: a simulation was reset, a recording was played in a loop.
+"""Restarts of a recording's clock: a simulation was reset, or a recording was played in a loop.
 
-tf2 clears its buffer when the time of ROS jumps back (tf2_ros/buffer.cpp: Buffer::onTimeJump), so that no transform of
-one run is ever applied to a scan of another. A recording has no such signal, only stamps, and its messages come from
-many publishers: stamps of one may be behind those of another by a second, as those of amcl's transform are ahead
-(transform_tolerance), and messages of one publisher may come late. So each topic is judged by its own stamps alone:
+tf2 clears its buffer when ROS time jumps back (tf2_ros/buffer.cpp: Buffer::onTimeJump), so that no transform of one run
+is ever applied to a scan of another. A recording has no such signal, only stamps, and its messages come from many
+publishers: stamps of one may be behind those of another by a second, because those of amcl's transform are ahead
+(transform_tolerance), and messages of one publisher may be late. So each topic is judged by its own stamps:
 
-- It steps back where a stamp is more than :data:`LEAST_STEP_NS` behind the latest before it and the next
-  :data:`STAYS` messages stay behind as well; a message that is late is followed by one that is not.
-- The clock began again where, of all topics that go on there, more have stepped back than not. A driver that sets its
-  own clock does not begin another run.
+- It steps back if a stamp is more than :data:`LEAST_STEP_NS` behind the latest before it and the next :data:`STAYS`
+  messages stay behind as well; a late message is followed by one that is not late.
+- The clock restarted if, of all topics that continue there, more have stepped back than not. A driver that sets its own
+  clock does not start another run.
 
-A frame of tf is judged by itself, as each may have a publisher of its own; of the frames of one topic the majority
+A frame of tf is judged separately, because each may have its own publisher; of the frames of one topic the majority
 counts as the topic.
 
-A file whose messages are not stored in the order in which they were recorded, as of a program that puts recordings
-together, is put in order instead (:func:`is_in_disorder`), and so is one of parts in another order, as of files that
-are joined by their names: each was recorded where another one ends (:func:`are_parts_of_one`).
+A file whose messages are not stored in recording order, such as one from a program that merges recordings, is sorted
+instead (:func:`is_in_disorder`), and so is one with parts in another order, such as files joined by name: each part was
+recorded where another one ends (:func:`are_parts_of_one`).
 """
 
 from __future__ import annotations
@@ -28,25 +28,24 @@ import numpy as np
 
 from mapper.core.array_types import Int64Array
 
-#: A step back by less is none: threads and buffers of one publisher put its messages into another order by so much, tf2
-#: puts late transforms in order, and topics of 2 Hz and more all notice a step by more.
+#: Smaller steps back are ignored: threads and buffers of one publisher reorder its messages by as much, tf2 sorts late
+#: transforms, and all topics of 2 Hz and more see a larger step.
 LEAST_STEP_NS = 500_000_000
 STAYS = 3
-NEAR_S = 5.0  #: within which all topics have noticed that the clock began again
-BETWEEN_NS = 1_000_000_000_000  #: between the last stamp of a run and the first of the next, counted on
+NEAR_S = 5.0  #: time within which all topics have seen the clock restart
+BETWEEN_NS = 1_000_000_000_000  #: between the last stamp of a run and the first of the next, after continuation
 MAX_RUNS = 200
-#: Share of the messages that were recorded before the one in front of them, by more than :data:`LEAST_STEP_NS`, from
-#: which a file is in disorder. Where the recorder's clock is the simulation's, one message does so at a reset, and a
-#: few around it.
+#: Fraction of the messages recorded before their predecessor, by more than :data:`LEAST_STEP_NS`, above which a file is
+#: in disorder. If the recorder's clock is the simulation's, one message is so at a reset, and a few around it.
 DISORDERED = 0.05
-_FARTHEST_NS = 4_000_000_000_000_000_000  #: beyond which stamps that are counted on would not fit 64 bits
+_FARTHEST_NS = 4_000_000_000_000_000_000  #: continued stamps beyond would not fit into 64 bits
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """The stamps (n,) of one publisher of a topic, as far as it is known, and the numbers of their messages (n,).
+    """The stamps (n,) of one publisher of a topic, as far as known, and the indices of their messages (n,).
 
-    ``recorded_ns`` (n,) are the times at which these were recorded; None where that is not known.
+    ``recorded_ns`` (n,) are their recording times; None if unknown.
     """
 
     topic: str
@@ -56,7 +55,7 @@ class Track:
 
 
 def is_in_disorder(tracks: Sequence[Track]) -> bool:
-    """Return whether the messages of a file are not stored in the order in which they were recorded."""
+    """Return whether the messages of a file are not stored in recording order."""
     known = [track for track in tracks if track.recorded_ns is not None and track.recorded_ns.all()]
     if not known:
         return False
@@ -67,7 +66,7 @@ def is_in_disorder(tracks: Sequence[Track]) -> bool:
 
 
 def is_out_of_order(tracks: Sequence[Track]) -> bool:
-    """Return whether any message was recorded before one that is stored in front of it, as far as all this is known."""
+    """Return whether any message was recorded before one stored in front of it, if all of this is known."""
     if not tracks or not all(track.recorded_ns is not None and track.recorded_ns.all() for track in tracks):
         return False
     positions = np.concatenate([track.positions for track in tracks])
@@ -76,10 +75,10 @@ def is_out_of_order(tracks: Sequence[Track]) -> bool:
 
 
 def are_parts_of_one(tracks: Sequence[Track], offsets: Sequence[Int64Array]) -> bool:
-    """Return whether runs, by what is added to the stamps of each track, are parts of one recording in another order.
+    """Return whether runs, given by the offsets of each track's stamps, are parts of one recording in another order.
 
-    By their recording times each follows on another within :data:`NEAR_S`, but they are not stored so: where a clock
-    begins again, it comes to times at which it was before, or to others.
+    By their recording times each follows another within :data:`NEAR_S`, but they are not stored so; after a clock
+    restart, times are repeated or differ.
     """
     if any(track.recorded_ns is None or not track.recorded_ns.all() for track in tracks):
         return False
@@ -99,7 +98,7 @@ def steps_back(stamps_ns: Int64Array) -> list[int]:
         part = stamps_ns[start:]
         latest = np.maximum.accumulate(part)[:-1]
         after = part[1:]
-        highest = after.copy()  # of each stamp and the next ones
+        highest = after.copy()  # maximum of each stamp and the next ones
         for ahead in range(1, STAYS + 1):
             highest[:-ahead] = np.maximum(highest[:-ahead], after[ahead:])
         back = np.flatnonzero((after < latest - LEAST_STEP_NS) & (highest < latest))
@@ -111,9 +110,9 @@ def steps_back(stamps_ns: Int64Array) -> list[int]:
 
 
 def offsets_of_runs(tracks: Sequence[Track]) -> list[Int64Array] | None:
-    """Return what to add to the stamps of each track, so that those of a later run follow those of the one before.
+    """Return the offsets to add to the stamps of each track, so that each run follows the one before.
 
-    None where the clock never began again.
+    None if the clock never restarted.
     """
     steps = [steps_back(track.stamps_ns) for track in tracks]
     if not any(steps):
@@ -140,16 +139,16 @@ def offsets_of_runs(tracks: Sequence[Track]) -> list[Int64Array] | None:
 
 @dataclass(frozen=True, slots=True)
 class _Reset:
-    """A place, by the number of its message, at which some tracks (by their index) step back, at these of theirs."""
+    """A message index at which some tracks (by index) step back, at these of their stamps."""
 
     position: int
     steps: dict[int, int]
     step_ns: int
-    near: int  #: messages within which others have noticed
+    near: int  #: messages within which others have seen it
 
 
 def _clustered(tracks: Sequence[Track], steps: Sequence[Sequence[int]]) -> list[_Reset]:
-    """Return the steps of different tracks that are near to each other, in the order of the recording."""
+    """Return the steps of different tracks that are near each other, in recording order."""
     events = sorted(
         (int(track.positions[index]), number, index)
         for number, (track, step) in enumerate(zip(tracks, steps, strict=True))
@@ -174,7 +173,7 @@ def _clustered(tracks: Sequence[Track], steps: Sequence[Sequence[int]]) -> list[
 
 
 def _messages_in(tracks: Sequence[Track], seconds: float) -> int:
-    """Return the number of messages that usually come in a time."""
+    """Return the usual number of messages in a time span."""
     positions = np.concatenate([track.positions for track in tracks])
     steps = np.concatenate([np.diff(track.stamps_ns) for track in tracks])
     passed_s = float(max((np.clip(np.diff(track.stamps_ns), 0, None).sum() for track in tracks), default=0)) * 1e-9
@@ -184,7 +183,7 @@ def _messages_in(tracks: Sequence[Track], seconds: float) -> int:
 
 
 def _is_agreed(tracks: Sequence[Track], reset: _Reset) -> bool:
-    """Return whether, of the topics that go on at a place, more step back there than not."""
+    """Return whether more of the topics that continue at a place step back there than not."""
     for_it: dict[str, int] = {}
     for number, track in enumerate(tracks):
         at = int(np.searchsorted(track.positions, reset.position))
@@ -192,13 +191,13 @@ def _is_agreed(tracks: Sequence[Track], reset: _Reset) -> bool:
             for_it[track.topic] = for_it.get(track.topic, 0) + 1
         elif 0 < at < len(track.positions) and track.positions[at] - reset.position <= reset.near:
             usual = float(np.median(np.abs(np.diff(track.stamps_ns)))) if len(track.stamps_ns) > 1 else 0.0
-            if (STAYS + 2) * usual < reset.step_ns:  # else it cannot tell
+            if (STAYS + 2) * usual < reset.step_ns:  # otherwise the track is inconclusive
                 for_it[track.topic] = for_it.get(track.topic, 0) - 1
     return sum((votes > 0) - (votes < 0) for votes in for_it.values()) > 0
 
 
 def _starts(track: Track, number: int, resets: Sequence[_Reset]) -> list[int]:
-    """Return the index of a track's first stamp of each run, and at the end the number of its stamps."""
+    """Return the index of a track's first stamp of each run, and finally its number of stamps."""
     starts = [0]
     for reset in resets:
         at = reset.steps.get(number)

@@ -1,4 +1,4 @@
-"""The scans of one sensor in a recording, as they come; each keeps the beams and the limits that it states."""
+"""Scans of one sensor in a recording in order of arrival; each keeps its stated beams and limits."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from mapper.io.logs.recording.timeline import Moments, why_no_stamps
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
 
-LEAST_BEAMS = 10  #: fewer tell nothing of their angles' end
-MOST_BEAMS_OFF = 2.0  #: beams by which drivers state another end: the next beam's, or with the last one twice
+LEAST_BEAMS = 10  #: fewer do not determine the end of their angles
+MOST_BEAMS_OFF = 2.0  #: tolerance in beams for the stated end: drivers use the next beam, or the last one twice
 MOST_OFF_RAD = 0.01
 SAME_SWEEP, MOST_CLOUDS = 0.1, 0.8  #: share by which the sweeps of clouds may differ, and of clouds that agree
 
 
 class SensorScans:
-    """The scans of the sensor ``topic``, of messages of one ``stream``, in ``frame``."""
+    """The scans of the sensor ``topic``, from messages of one ``stream``, in ``frame``."""
 
     def __init__(self, topic: str, stream: Stream, frame: str, beam_width: float) -> None:
         self.topic = topic
@@ -31,24 +31,24 @@ class SensorScans:
         self.frame = frame
         self.beam_width = max(0.0, beam_width)
         self.stamps = array("q")
-        self.positions = array("q")  #: the number of each scan's message in the recording
-        self.offsets: NDArray[np.int64] | None = None  #: what counts the stamps on where the clock began again
+        self.positions = array("q")  #: index of each scan's message in the recording
+        self.offsets: NDArray[np.int64] | None = None  #: offsets that continue the stamps across clock restarts
         self.clock = Clock()
-        self.in_degrees = 0  #: messages whose angles were degrees, and are radians now
-        self.other_ends = 0  #: messages whose angle_max is not where their last beam is by the increments
+        self.in_degrees = 0  #: messages whose angles were in degrees, now converted to radians
+        self.other_ends = 0  #: messages whose angle_max contradicts the angle of their last beam
         self._other_end = ""  #: of the first of them
         self._numbers: dict[Beaming, int] = {}
-        self._of_scan = array("q")  #: the number of each scan's beaming
+        self._of_scan = array("q")  #: index of each scan's beaming
         self._ranges = bytearray()
-        self._is_repeated = array("b")  #: whether each scan repeats the one before
+        self._is_repeated = array("b")  #: whether each scan repeats the previous one
         self._time_increments = array("f")
         self._scan_times = array("f")
         self._mounts = array("d")
 
     def add(self, stamp_ns: int, beams: Beams) -> None:
-        """Take one scan."""
+        """Add one scan."""
         stated = (beams.angle_min, beams.angle_increment, beams.range_min, beams.range_max)
-        # nan is not itself, and would be another key in every message.
+        # NaN is not equal to itself, and would be another key in every message.
         first, step, least, greatest = (np.nan if np.isnan(value) else value for value in map(float, stated))
         beaming = Beaming(first, step, least, greatest, len(beams.ranges))
         readings = beams.ranges.tobytes()
@@ -66,7 +66,7 @@ class SensorScans:
 
     @property
     def notes_on_angles(self) -> list[str]:
-        """Notes on messages whose angles are in degrees, or whose ``angle_max`` contradicts their increments."""
+        """Notes on messages with angles in degrees, or whose ``angle_max`` contradicts their increments."""
         notes = []
         if self.in_degrees:
             notes.append(
@@ -83,14 +83,14 @@ class SensorScans:
         return f"{n} of the {self.n_scans}" if n < self.n_scans else f"All {self.n_scans}"
 
     def take_recorded_times(self) -> str:
-        """Give the scans the times at which they were recorded where their stamps do not tell them apart.
+        """Use the recording times of the scans if their stamps do not distinguish them.
 
-        Return what is wrong with the stamps, nothing where they stay: see :func:`why_no_stamps`.
+        Return what is wrong with the stamps, nothing if they are kept: see :func:`why_no_stamps`.
         """
         stamps = np.array(self.stamps)
         recorded = self.clock.recorded(stamps)
         differ = np.frombuffer(self._is_repeated, dtype=np.int8)[1:] == 0
-        if not np.ptp(stamps):  # also of a robot that stands where nothing moves
+        if not np.ptp(stamps):  # also for a robot at rest in a static scene
             differ = np.ones(len(stamps) - 1, dtype=np.bool_)
         why = "" if recorded is None else why_no_stamps(stamps, recorded, differ)
         if why and recorded is not None:
@@ -100,9 +100,9 @@ class SensorScans:
         return why
 
     def put_in_order(self, *, by_recording: bool) -> None:
-        """Put the scans into the order in which they were recorded, as far as that is known.
+        """Sort the scans by recording time, as far as known.
 
-        With ``by_recording`` their messages count by those times, not by where they are stored.
+        With ``by_recording`` their messages are positioned by those times, not by their place in the file.
         """
         recorded = self.clock.recorded(np.array(self.stamps))
         if recorded is not None and by_recording:
@@ -121,7 +121,7 @@ class SensorScans:
         self.clock.set_to(np.array(self.stamps), recorded[order])
 
     def set_stamps(self) -> None:
-        """Give scans without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
+        """Set the stamps of scans without one by the clock of the others: see :func:`with_set_stamps`."""
         stamps = np.array(self.stamps)
         recorded = self.clock.recorded(stamps)
         corrected = None if recorded is None else with_set_stamps(stamps, recorded)
@@ -129,7 +129,7 @@ class SensorScans:
             self.set_to(corrected)
 
     def set_to(self, stamps_ns: NDArray[np.int64]) -> None:
-        """Take other stamps (n,), in the order of the recording."""
+        """Replace the stamps (n,), in recording order."""
         recorded = self.clock.recorded(np.array(self.stamps))
         self.stamps = array("q", stamps_ns.tolist())
         if recorded is not None:
@@ -142,36 +142,36 @@ class SensorScans:
 
     @property
     def scan_time(self) -> float:
-        """Median of the stated times between two scans, seconds; 0 where none is stated."""
+        """Median of the stated times between two scans, seconds; 0 if not stated."""
         return median_seconds(np.frombuffer(self._scan_times, dtype=np.float32))
 
     @property
     def mounts(self) -> NDArray[np.float64]:
-        """``T_base_scan`` (n_scans, 3) of scans that were cut out of clouds; of others there is none, (0, 3)."""
+        """``T_base_scan`` (n_scans, 3) of scans extracted from clouds; otherwise (0, 3)."""
         return np.array(self._mounts).reshape(-1, 3)
 
     @property
     def moments(self) -> Moments:
-        """When the scans were made, counted on where the clock began again."""
+        """Times of the scans, continued across clock restarts."""
         stamps = np.frombuffer(self.stamps, dtype=np.int64)
         counted = stamps if self.offsets is None else stamps + self.offsets
         return Moments(counted, np.frombuffer(self.positions, dtype=np.int64))
 
     @property
     def track(self) -> Track:
-        """The stamps of the scans in the order of the recording."""
+        """The stamps of the scans in recording order."""
         stamps = np.array(self.stamps)
         return Track(self.topic, stamps, np.array(self.positions), self.clock.recorded(stamps))
 
     @property
     def n_scans(self) -> int:
-        """Scans taken so far."""
+        """Number of scans so far."""
         return len(self.stamps)
 
     def readings_around(self, before_ns: int, after_ns: int) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
-        """Return those of the last scan until a time and of the first one from another on; None where one is missing.
+        """Return the readings of the last scan until one time and of the first from another on; None if one is missing.
 
-        The times are counted on as those of :attr:`moments`.
+        The times are continued like those of :attr:`moments`.
         """
         stamps = self.moments.stamps_ns
         earlier, later = np.flatnonzero(stamps <= before_ns), np.flatnonzero(stamps >= after_ns)
@@ -194,7 +194,7 @@ class SensorScans:
 
     @property
     def stated(self) -> StatedScans:
-        """The scans with what each message states."""
+        """The scans with the values stated by each message."""
         return StatedScans(
             f"on {self.topic}",
             list(self._numbers),
@@ -206,9 +206,9 @@ class SensorScans:
 
 
 def ends_elsewhere(beams: Beams) -> bool:
-    """Return whether ``angle_max`` is not the angle of the last beam, by more than two beams.
+    """Return whether ``angle_max`` differs from the angle of the last beam by more than two beams.
 
-    Angles are compared modulo one turn, but the sweep must be the same way round.
+    Angles are compared modulo one turn, but the sweep must have the same direction.
     """
     if not np.isfinite(beams.angle_max) or len(beams.ranges) < LEAST_BEAMS:
         return False
@@ -221,9 +221,9 @@ def _near(beams: Beams) -> float:
 
 
 def _is_other_way(beams: Beams) -> bool:
-    """Return whether ``angle_max`` is where the last beam would be if the increments had the other sign.
+    """Return whether ``angle_max`` is the angle of the last beam for the opposite sign of the increments.
 
-    After half a turn it is at the same angle either way.
+    After half a turn the angle is the same either way.
     """
     swept = beams.angle_increment * (len(beams.ranges) - 1)
     return bool(

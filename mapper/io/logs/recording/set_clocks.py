@@ -1,8 +1,8 @@
-"""Clocks that are set while a recording is made, each by itself, as that of a lidar's computer by a time server.
+"""Clocks that are set individually during a recording, such as that of a lidar's computer by a time server.
 
-The stamps of its sender step then, while its messages go on being recorded at their usual intervals. Messages that are
-recorded late, and those of a sender that pauses, are no such step. Where most other topics step as well, the common
-clock was set, or has begun again (:mod:`mapper.io.logs.recording.runs`).
+The stamps of its sender then step, while its messages are still recorded at their usual intervals. Late messages and
+pauses of a sender are not such steps. If most other topics step as well, the common clock was set, or has restarted
+(:mod:`mapper.io.logs.recording.runs`).
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from mapper.core.array_types import Int64Array
 from mapper.io.logs.recording.clocks import FAR_NS
 from mapper.io.logs.recording.runs import NEAR_S, Track
 
-LEAST_NS = 500_000_000  #: by which a clock is set; less is what threads and networks disorder
-REGULAR, SHARE = 0.25, 0.8  #: the share of the intervals that are so near to the usual one, of a regular sender
-AROUND = 5  #: messages before and after a step, whose stamps have to differ by it from when they were recorded
-ALIKE = 0.25  #: of a step: by as much may what is recorded say another one
-MOST = 20  #: steps of one sender; a clock that is set more often is no clock
+LEAST_NS = 500_000_000  #: minimum step; smaller ones are due to threads and networks
+REGULAR, SHARE = 0.25, 0.8  #: tolerance, and minimum fraction, of the intervals near the usual one for a regular sender
+AROUND = 5  #: messages before and after a step whose stamps must show it relative to the recording times
+ALIKE = 0.25  #: of a step: tolerance to the recording times
+MOST = 20  #: steps of one sender; a clock with more is unusable
 
 
 def settings_of(track: Track) -> list[tuple[int, int]]:
-    """Return before which messages the clock of a sender was set, by index, and by how many nanoseconds."""
+    """Return the indices of messages before which a sender's clock was set, and by how many nanoseconds."""
     recorded, stamps = track.recorded_ns, track.stamps_ns
     if recorded is None or not recorded.all() or len(stamps) <= 2 * AROUND:
         return []
@@ -31,7 +31,7 @@ def settings_of(track: Track) -> list[tuple[int, int]]:
     usual = int(np.median(stated))
     if usual <= 0 or np.mean(np.abs(stated - usual) < REGULAR * usual) < SHARE:
         return []
-    if abs(float(np.median(came)) - usual) > REGULAR * usual:  # as of a simulation that is slower than the recorder
+    if abs(float(np.median(came)) - usual) > REGULAR * usual:  # as for a simulation slower than the recorder
         return []
     by = stated - usual
     steps = np.flatnonzero((np.abs(by) > LEAST_NS) & (np.abs(came - usual) < ALIKE * np.abs(by)))
@@ -41,9 +41,9 @@ def settings_of(track: Track) -> list[tuple[int, int]]:
 
 
 def as_never_set(stamps_ns: Int64Array, recorded_ns: Int64Array, settings: Sequence[tuple[int, int]]) -> Int64Array:
-    """Return the stamps (n,) of a sender by its clock as it was while it was nearest to the recorder's.
+    """Return the stamps (n,) of a sender by its clock as it was when nearest to the recorder's.
 
-    Of a clock that is far from that, as a simulation's, as it was at first.
+    For a clock far from that, such as a simulation's, as it was at first.
     """
     shift = np.zeros(len(stamps_ns), dtype=np.int64)
     for at, step in settings:
@@ -55,12 +55,12 @@ def as_never_set(stamps_ns: Int64Array, recorded_ns: Int64Array, settings: Seque
 
 
 def own_settings(tracks: Sequence[Track]) -> list[list[tuple[int, int]]]:
-    """Return those of :func:`settings_of` of each sender that at most as many other topics share as go on there."""
+    """Return :func:`settings_of` each sender that are shared by at most as many other topics as continue there."""
     return [[setting for setting in settings_of(track) if _is_alone(track, setting, tracks)] for track in tracks]
 
 
 def _is_step(ahead_ns: Int64Array, at: int, step: int) -> bool:
-    """Return whether stamps are by a step farther ahead of when they were recorded (n,) from index ``at`` on."""
+    """Return whether stamps are ahead of the recording times (n,) by an additional step from index ``at`` on."""
     before, after = ahead_ns[max(0, at - AROUND) : at], ahead_ns[at : at + AROUND]
     enough = min(len(before), len(after)) > 1
     return bool(enough and abs(float(np.median(after)) - float(np.median(before)) - step) < ALIKE * abs(step))

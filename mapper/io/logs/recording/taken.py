@@ -1,4 +1,4 @@
-"""The messages of a recording of which a log is made."""
+"""Messages of a recording from which a log is made."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.tf_topics import TfTopics
 from mapper.io.logs.recording.timeline import Timeline
 
-MAX_FRAME_NAME = 200  #: characters of a frame's name that a log keeps
+MAX_FRAME_NAME = 200  #: characters of a frame name stored in a log
 SONAR = "sensor_msgs/Range"
 ODOMETRY = "nav_msgs/Odometry"
 
 
 @dataclass(slots=True)
 class PoseTopic:
-    """The poses of one topic, ``T_frame_child``; of a topic with several pairs of frames, those of one pair.
+    """The poses of one topic, ``T_frame_child``; for a topic with several pairs of frames, those of one pair.
 
-    ``fastest`` is the greatest speed that the messages state beside the poses, m/s.
+    ``fastest`` is the maximum speed stated by the messages, m/s.
     """
 
     topic: str
@@ -34,7 +34,7 @@ class PoseTopic:
 
 @dataclass(slots=True)
 class Taken:
-    """Messages taken so far; ``children`` are frames of which odometry messages state the poses.
+    """Messages so far; ``children`` are frames whose poses are stated by odometry messages.
 
     Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut. ``low`` is, by
     topic, the share of a cloud's beams that end at low points, probably on the floor; ``heights`` are the least and the

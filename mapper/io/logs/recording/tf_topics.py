@@ -1,9 +1,9 @@
-"""The topics of tf of a recording, and which of them say where a sensor's frame is.
+"""Topics of tf in a recording, and selection of the one for a sensor's frame.
 
 Robots of one recording may have the same frames, each on its own topics: nodes look frames up in ``tf`` of their own
 namespace (Nav2 and others remap ``/tf`` to ``tf``). So a sensor's frames are those of ``tf`` and ``tf_static`` in the
-namespace of its topic, or in the nearest around it, up to ``/tf``; only where there is none of these, in another topic
-of transforms that knows its frame. The transforms of two topics are never put into one tree.
+namespace of its topic, or in the nearest enclosing one, up to ``/tf``; only if there is none, in another topic of
+transforms that has its frame. The transforms of two topics are never merged into one tree.
 """
 
 from __future__ import annotations
@@ -18,28 +18,28 @@ from mapper.io.logs.recording.transforms import FrameTree, Stated
 from mapper.io.logs.ros.ros_messages import StampedPose
 
 SECOND = " (2)"  #: behind the name of a frame: that of the second of two programs that state it
-STATIC = "_static"  #: the end of the topic of transforms that never change
+STATIC = "_static"  #: suffix of topics of static transforms
 
 
 def is_static(topic: str) -> bool:
-    """Return whether the transforms on a topic never change, by its name: ``tf_static``, ``tf_gt_static``."""
+    """Return whether the transforms on a topic are static, by its name: ``tf_static``, ``tf_gt_static``."""
     return topic.rsplit("/", 1)[-1].endswith(STATIC)
 
 
 def namespaces(topic: str) -> list[str]:
-    """Return the namespace of a topic and those around it: ``/a/b``, ``/a`` and nothing, of ``/a/b/scan``."""
+    """Return the namespace of a topic and the enclosing ones: ``/a/b``, ``/a`` and nothing, for ``/a/b/scan``."""
     parts = topic.strip("/").split("/")[:-1]
     return ["".join(f"/{part}" for part in parts[:n]) for n in range(len(parts), -1, -1)]
 
 
 def in_tf(sensor: str, topic: str) -> str:
-    """Return the name of a sensor whose frames are looked up in the transforms on a topic, where there are several."""
+    """Return the name of a sensor whose frames are looked up in a topic's transforms, if there are several."""
     return f"{sensor}#{topic}"
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """The topics whose transforms are a sensor's, empty where there is none; ``others`` might be as well."""
+    """The topics of a sensor's transforms, empty if there are none; ``others`` are alternatives."""
 
     moving: str
     static: str
@@ -47,17 +47,17 @@ class Choice:
 
 
 class TfTopics:
-    """The transforms of a recording by topic. ``wanted`` names the topic to take for all sensors."""
+    """The transforms of a recording by topic. ``wanted`` names the topic for all sensors."""
 
     def __init__(self, limits: Limits, wanted: str | None = None) -> None:
         self._limits, self._wanted = limits, wanted
         self._stated: dict[str, Stated] = {}
         self._chosen: dict[tuple[str, str], Choice] = {}
-        self.statics = 0  #: number of static transforms, without those that are stated again
+        self.statics = 0  #: number of static transforms, without repetitions
         self._nothing = Stated()
 
     def add(self, topic: str, transform: StampedPose, position: int, recorded_ns: int = 0) -> str:
-        """Take one transform of message number ``position``, recorded at ``recorded_ns``, on a topic.
+        """Add one transform of the message with index ``position``, recorded at ``recorded_ns``, on a topic.
 
         See :meth:`FrameTree.add`.
         """
@@ -73,7 +73,7 @@ class TfTopics:
 
     @property
     def moving(self) -> list[str]:
-        """The topics of transforms that may change."""
+        """The topics of non-static transforms."""
         return [topic for topic in self._stated if not is_static(topic)]
 
     @property
@@ -111,13 +111,13 @@ class TfTopics:
         return [Track(topic, *line.track) for topic, tree in self._stated.items() for line in tree.static.values()]
 
     def put_statics_in_order(self) -> None:
-        """Let the static transforms count by when they were recorded, not by where their messages are stored."""
+        """Position the static transforms by recording time, not by their place in the file."""
         for tree in self._stated.values():
             for line in tree.static.values():
                 line.put_in_order()
 
     def tree_of(self, sensor: str, frame: str) -> FrameTree:
-        """Return the transforms that say where the ``frame`` of the messages on a topic is."""
+        """Return the transforms for the ``frame`` of the messages on a topic."""
         choice = self.choice(sensor, frame)
         return self.tree_with(choice.moving, choice.static)
 
@@ -144,7 +144,7 @@ class TfTopics:
             if topic != moving and (topic in self._named(sensor, "tf") or own & set(self._frames(topic)))
         ]
         around, own_space = namespaces(sensor), namespaces(moving)[0]
-        if own_space and own_space in around:  # transforms beside that namespace are other robots'
+        if own_space and own_space in around:  # transforms outside that namespace are other robots'
             spaces = {topic: namespaces(topic)[0] for topic in others}
             others = [other for other in others if spaces[other] in around or spaces[other].startswith(f"{own_space}/")]
         return Choice(moving, static, tuple(others))
@@ -154,7 +154,7 @@ class TfTopics:
         return [] if stated is None else list(stated.moving)
 
     def _named(self, topic: str, name: str) -> list[str]:
-        """Return the topics of a name in the namespace of another topic and around it, the nearest first."""
+        """Return the topics with a name in the namespace of another topic and the enclosing ones, nearest first."""
         names = {known.strip("/"): known for known in self._stated}
         candidates = (f"{space}/{name}".strip("/") for space in namespaces(topic))
         return [names[name] for name in candidates if name in names]
@@ -174,7 +174,7 @@ class TfTopics:
         return sum(len(line) for lines in self._stated[topic].moving.values() for line in lines.values())
 
     def _static_of(self, sensor: str, moving: str, frame: str) -> str:
-        """Return the topic of static transforms that belongs to one of others, or else to the sensor."""
+        """Return the topic of static transforms that belongs to a topic of others, or else to the sensor."""
         statics = [topic for topic in self._stated if is_static(topic)]
         pair = [topic for topic in statics if moving and topic.strip("/") == moving.strip("/") + STATIC]
         near = [*self._named(sensor, f"tf{STATIC}"), *(self._named(moving, f"tf{STATIC}") if moving else [])]
@@ -185,15 +185,15 @@ class TfTopics:
 
     @property
     def is_chosen(self) -> bool:
-        """Whether one topic was named to be taken for all sensors."""
+        """Whether one topic was named for all sensors."""
         return self._wanted is not None
 
     def check(self) -> None:
-        """Raise :class:`ReadError` where the recording has no transforms on the topic that was named for all."""
+        """Raise :class:`ReadError` if the recording has no transforms on the topic named for all."""
         if self._wanted is not None and self._known(self._wanted) is None:
             known = ", ".join(self.moving[:6]) or "none"
             raise ReadError("log.tf", f"The log has no transforms on {self._wanted!r:.80}; it has {known:.400}.")
 
     def _known(self, topic: str) -> str | None:
-        """Return the topic of transforms that may change of that name, with or without its first slash."""
+        """Return the topic of non-static transforms of that name, with or without its leading slash."""
         return next((topic_ for topic_ in self.moving if topic_.strip("/") == topic.strip("/")), None)

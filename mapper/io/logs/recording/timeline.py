@@ -1,4 +1,4 @@
-"""A pose that a recording states at several times."""
+"""A pose stated at several times in a recording."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from mapper.io.logs.recording.runs import LEAST_STEP_NS
 from mapper.io.logs.recording.senders import senders_of
 from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
 
-LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of messages
-LEAST_ALIKE = 3  #: messages of one stamp that are a fault of their sender
-HARDLY = 0.05  #: of the time between two messages: stamps that are less apart hardly go on
-REGULAR = 2.0  #: times the shorter intervals are the longer ones of messages that were recorded at regular intervals
+LEAST_APART_NS = 1_000_000  #: minimum mean interval for recording times to be used as message times
+LEAST_ALIKE = 3  #: messages with equal stamps that indicate a fault of their sender
+HARDLY = 0.05  #: of the time between two messages: smaller differences of stamps hardly advance
+REGULAR = 2.0  #: ratio of the longer to the shorter recording intervals of regular messages
 SAME_STAMP = "have the same stamp"
-SLACK_NS = 200_000_000  #: before the first and after the last pose, within which the nearest may be taken
-_SLACK_M, _SLACK_RAD = 0.05, 0.02  #: as far as the robot moves by no more meanwhile, by its speed there
+SLACK_NS = 200_000_000  #: before the first and after the last pose, within which the nearest may be used
+_SLACK_M, _SLACK_RAD = 0.05, 0.02  #: maximum motion of the robot in this time, from its speed there
 _MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: a pose that never differs by more is a mount, not a motion
 
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """n times of a recording: ``stamps_ns`` (n,), counted on where the clock began again, see :mod:`.runs`.
+    """n times of a recording: ``stamps_ns`` (n,), continued across clock restarts, see :mod:`.runs`.
 
-    ``positions`` (n,) are the numbers of the messages that the times are of, in the order of the recording, or when
-    these were recorded; None where they are not known, which is behind all messages.
+    ``positions`` (n,) are the indices of their messages in recording order, or their recording times; None if unknown,
+    which means after all messages.
     """
 
     stamps_ns: Int64Array
@@ -50,13 +50,13 @@ class Moments:
 
 
 def why_no_stamps(stamps_ns: Int64Array, recorded_ns: Int64Array, differ: NDArray[np.bool_]) -> str:
-    """Return what is wrong with the stamps (n,) of one sender by which its messages cannot be told apart; else nothing.
+    """Return why the stamps (n,) of one sender do not distinguish its messages; nothing if they do.
 
-    Most are those of the message before, although the two messages differ: its clock stands, or counts whole seconds.
-    Or most are hardly later than the one before, although the messages were recorded at regular intervals and the
-    stamps as a whole go on at their rate: parts of a second were stated in another unit. ``differ`` (n − 1,) says which
-    messages differ from the one before. The times at which they were recorded (n,), 0 where that is not known, have to
-    be as far apart as messages are.
+    Most equal that of the previous message, although the two messages differ: the clock stands still, or counts whole
+    seconds. Or most are hardly later than the previous one, although the messages were recorded at regular intervals
+    and the stamps as a whole advance at their rate: fractions of a second were stated in another unit. ``differ`` (n −
+    1,) marks the messages that differ from the previous one. The recording times (n,), 0 if unknown, have to be as far
+    apart as messages are.
     """
     n = len(stamps_ns)
     if n < LEAST_ALIKE or not recorded_ns.all() or np.ptp(recorded_ns) < LEAST_APART_NS * (n - 1):
@@ -79,23 +79,23 @@ def why_no_stamps(stamps_ns: Int64Array, recorded_ns: Int64Array, differ: NDArra
 
 
 class Timeline:
-    """A pose that was stated at several times, as tf2's TimeCache keeps a transform: late messages are put in order.
+    """A pose stated at several times, stored like a transform in tf2's TimeCache: late messages are sorted in.
 
-    While a recording is read, only poses since its clock last began again are interpolated (:meth:`at`); afterwards
-    :meth:`count_on` gives all of them stamps that ascend from run to run.
+    While a recording is read, only poses since the last clock restart are interpolated (:meth:`at`); afterwards
+    :meth:`count_on` makes all stamps ascend from run to run.
     """
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
         self._stamps = array("q")
         self._positions = array("q")
-        self._recorded = array("q")  #: when each was recorded, 0 where that is not known
+        self._recorded = array("q")  #: recording times, 0 if unknown
         self._values = array("d")
-        self._offsets: Int64Array | None = None  #: what is added to the stamps where the clock began again
-        self._in_order: tuple[Int64Array, Poses3, Int64Array] | None = None  #: made when first asked for
-        self._moves: bool | None = None  #: found out when first asked for
+        self._offsets: Int64Array | None = None  #: added to the stamps after clock restarts
+        self._in_order: tuple[Int64Array, Poses3, Int64Array] | None = None  #: computed on first use
+        self._moves: bool | None = None  #: determined on first use
         self._is_ascending = True
-        self._run_from = 0  #: index of the first pose since the clock began again
+        self._run_from = 0  #: index of the first pose since the last clock restart
         self._before_ns = -(1 << 63)  #: the latest stamp before that
         self.latest_ns = -(1 << 63)  #: the latest stamp since then
 
@@ -103,9 +103,9 @@ class Timeline:
         return len(self._stamps)
 
     def add(self, stamp_ns: int, pose: Pose7, position: int = 0, recorded_ns: int = 0) -> None:
-        """Append one, stated in message number ``position`` of the recording, which was recorded at ``recorded_ns``.
+        """Append one, stated in the message with index ``position`` of the recording, recorded at ``recorded_ns``.
 
-        Raises :class:`BadMessageError` for what is no pose, naming the reason, and :class:`LimitError` for too many.
+        Raises :class:`BadMessageError`, with the reason, for an invalid pose, and :class:`LimitError` for too many.
         """
         why = why_no_pose(pose)
         if why:
@@ -113,7 +113,7 @@ class Timeline:
         if len(self._stamps) >= self._limits.max_messages:
             raise LimitError("log.too_many_poses", f"The log has more than {self._limits.max_messages} poses.")
         self._in_order = self._moves = None
-        if self._run_from and stamp_ns >= self._before_ns:  # what seemed to be another run were late messages
+        if self._run_from and stamp_ns >= self._before_ns:  # the supposed run consisted of late messages
             self._run_from, self._is_ascending = 0, False
         elif len(self._stamps) and stamp_ns < self.latest_ns - LEAST_STEP_NS:
             self._run_from, self._is_ascending = len(self._stamps), True
@@ -143,9 +143,9 @@ class Timeline:
 
     @property
     def track(self) -> tuple[Int64Array, Int64Array, Int64Array]:
-        """The stamps (n,) as stated, the numbers of their messages (n,) and when these were recorded (n,).
+        """The stamps (n,) as stated, the indices of their messages (n,) and their recording times (n,).
 
-        They are in the order of the recording.
+        They are in recording order.
         """
         return (
             np.array(self._stamps, dtype=np.int64),
@@ -154,9 +154,9 @@ class Timeline:
         )
 
     def take_recorded_times(self) -> str:
-        """Give the poses the times at which they were recorded where their stamps do not tell them apart.
+        """Use the recording times of the poses if their stamps do not distinguish them.
 
-        Return what is wrong with the stamps, nothing where they stay: see :func:`why_no_stamps`.
+        Return what is wrong with the stamps, nothing if they are kept: see :func:`why_no_stamps`.
         """
         stamps, values = np.array(self._stamps, dtype=np.int64), np.array(self._values).reshape(-1, 7)
         differ = (values[1:] != values[:-1]).any(axis=1)
@@ -167,35 +167,35 @@ class Timeline:
         return why
 
     def set_stamps(self) -> None:
-        """Give poses without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
+        """Set the stamps of poses without one by the clock of the others: see :func:`with_set_stamps`."""
         corrected = with_set_stamps(np.array(self._stamps, dtype=np.int64), np.array(self._recorded, dtype=np.int64))
         if corrected is not None:
             self.set_to(corrected)
 
     def set_to(self, stamps_ns: Int64Array) -> None:
-        """Take other stamps (n,), in the order of the recording."""
+        """Replace the stamps (n,), in recording order."""
         self._stamps, self._in_order, self._moves = array("q", stamps_ns.tolist()), None, None
         self._run_from, self._is_ascending = 0, False
 
     @property
     def has_runs(self) -> bool:
-        """Whether the clock began again between its poses."""
+        """Whether the clock restarted between its poses."""
         return self._offsets is not None and bool((self._offsets != self._offsets[0]).any())
 
     @property
     def last_position(self) -> int:
-        """The number of the last message, −1 without one."""
+        """The index of the last message, −1 without one."""
         return self._positions[-1] if self._positions else -1
 
     def count_on(self, offsets: Int64Array) -> None:
-        """Add to each stamp (n,) what makes those of a later run follow those of the one before."""
+        """Add offsets to the stamps (n,), so that each run follows the one before."""
         self._offsets, self._in_order, self._run_from, self._is_ascending = offsets, None, 0, False
         self._moves = None
 
     def put_in_order(self, *, by_recording: bool) -> None:
-        """Put all poses in order, also where their stamps stepped back: the clock of the recording did not.
+        """Sort all poses, even if their stamps stepped back, because the clock of the recording did not.
 
-        With ``by_recording`` their messages count by when they were recorded, not by where they are stored.
+        With ``by_recording`` their messages are positioned by recording time, not by their place in the file.
         """
         if by_recording:
             order = np.argsort(np.array(self._recorded), kind="stable")
@@ -212,7 +212,7 @@ class Timeline:
         return self._in_order
 
     def _put_in_order(self) -> tuple[Int64Array, Poses3, Int64Array]:
-        """Return the stamps (n,) in their order, the poses, and which of the messages they are (n,)."""
+        """Return the sorted stamps (n,), the poses, and the indices of their messages (n,)."""
         first = self._run_from
         stamps = np.array(self._stamps[first:], dtype=np.int64)
         if self._offsets is not None:
@@ -225,7 +225,7 @@ class Timeline:
         return stamps, poses_of(values), order + first
 
     def _around(self, stamps_ns: Int64Array) -> tuple[Int64Array, Poses3]:
-        """Return the poses in their order; while they still come in, of one time, only the next ones to it."""
+        """Return the sorted poses; for a single time while reading, only the adjacent ones."""
         if self._in_order is not None or len(stamps_ns) != 1 or not self._is_ascending:
             return self._sorted()[:2]
         at = bisect_right(self._stamps, int(stamps_ns[0]), self._run_from)
@@ -236,7 +236,7 @@ class Timeline:
     def covers(self, stamps_ns: Int64Array) -> NDArray[np.bool_]:
         """Return which of the times (n,) are between the first and the last of these.
 
-        Up to :data:`SLACK_NS` before and after, the nearest pose counts as well where it hardly changes meanwhile.
+        Up to :data:`SLACK_NS` before and after, the nearest pose also counts if it hardly changes meanwhile.
         """
         stamps, poses, _ = self._sorted()
         before, after = self._slack_ns(stamps, poses)
@@ -248,7 +248,7 @@ class Timeline:
         return np.asarray(inside)
 
     def _slack_ns(self, stamps: Int64Array, poses: Poses3) -> tuple[int, int]:
-        """Return how long before the first and after the last pose these are near enough, by the speeds there."""
+        """Return how long before the first and after the last pose these are near enough, from the speeds there."""
         last = len(stamps) - 1
         slacks = []
         for end, other in (
@@ -263,7 +263,7 @@ class Timeline:
         return slacks[0], slacks[1]
 
     def _are_apart(self, low: Int64Array, high: Int64Array) -> NDArray[np.bool_]:
-        """Return whether poses of these places in the order (n,) are of two runs."""
+        """Return whether poses at these positions in the order (n,) belong to two runs."""
         if self._offsets is None:
             return np.zeros(len(low), dtype=np.bool_)
         *_, order = self._sorted()
@@ -272,7 +272,7 @@ class Timeline:
     def at(self, stamps_ns: Int64Array) -> Poses3:
         """Return the poses at n times, or one for all: linear in position, along the shorter arc in rotation.
 
-        Nothing is extrapolated, nor interpolated between two runs.
+        There is no extrapolation, and no interpolation between two runs.
         """
         stamps, poses = self._around(stamps_ns)
         if len(stamps) == 1:
@@ -289,7 +289,7 @@ class Timeline:
 
     @property
     def in_order(self) -> tuple[Moments, Poses3]:
-        """The poses in the order of their times, each time once; of several at one time the last stated counts."""
+        """The poses in time order, each time once; of several at one time the last stated is used."""
         stamps, poses, order = self._sorted()
         last = np.append(stamps[1:] != stamps[:-1], True)
         positions = np.array(self._positions, dtype=np.int64)[order[last]]
@@ -297,7 +297,7 @@ class Timeline:
 
     @property
     def as_stated(self) -> Int64Array:
-        """The stamps (n,) of :attr:`in_order` as they were stated."""
+        """The stamps (n,) of :attr:`in_order` as stated."""
         stamps, _, order = self._sorted()
         last = np.append(stamps[1:] != stamps[:-1], True)
         return np.asarray(np.array(self._stamps, dtype=np.int64)[order[last]])

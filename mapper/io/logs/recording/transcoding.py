@@ -1,4 +1,4 @@
-"""Foxglove's messages of a recording, handed on as messages of ROS in whatever they are serialised."""
+"""Conversion of Foxglove messages in a recording, in any serialisation, to ROS messages."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from mapper.io.logs.ros.foxglove import Transcoder, transcoder
 from mapper.io.logs.ros.message_fields import BadMessageError
 
 MOST_NOTES = 20
-TF, TF_STATIC = "tf", "tf_static"  #: what topics of transforms are named within their namespace
+TF, TF_STATIC = "tf", "tf_static"  #: names of topics of transforms within their namespace
 
 
 class Transcoding(MessageSink):
-    """Hands a recording on to ``sink``; to one that takes messages as they were recorded, all of them as they are.
+    """Passes a recording on to ``sink``; unchanged to a sink that receives messages as recorded.
 
-    Transforms that Foxglove has on a topic of any name are on ``tf`` of its namespace there. Those in the messages of a
-    scan or a cloud, of key k, have the key −1 − k, on ``tf`` of the nearest namespace around it that has one.
+    Foxglove transforms, on topics of any name, become ``tf`` of their namespace. Those in the messages of a scan or a
+    cloud with key k have the key −1 − k, on ``tf`` of the nearest enclosing namespace that has one.
     """
 
     def __init__(self, sink: MessageSink) -> None:
@@ -25,22 +25,22 @@ class Transcoding(MessageSink):
         self._sink = sink
         self._transcoders: dict[int, Transcoder] = {}
         self._tf_namespaces = {""}
-        self._beside: dict[int, str] = {}  #: of the keys of scans and clouds: where the transforms in them go
+        self._beside: dict[int, str] = {}  #: keyed by scans and clouds: topic of the transforms in them
 
     @property
     def taken(self) -> int:
-        """Number of messages that the sink took."""
+        """Number of messages received by the sink."""
         return self._sink.taken
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
-        """Announce a stream of messages of ROS, of which some are Foxglove's."""
+        """Announce a stream of ROS messages, some of which are Foxglove's."""
         if not (readable and self.foxglove_channel(key, topic, kind, "cdr" if cdr else "ros1")):
             self._transcoders.pop(key, None)
             self._note_tf(topic)
             self._sink.channel(key, topic, kind, cdr=cdr, readable=readable)
 
     def foxglove_channel(self, key: int, topic: str, kind: str, encoding: str) -> bool:
-        """Announce a stream of messages in any encoding, if they are of a schema of Foxglove's that is read."""
+        """Announce a stream of messages in any encoding, if their schema is a supported one of Foxglove."""
         transcode = None if self.as_recorded else transcoder(topic, kind, encoding)
         if transcode is None:
             return False
@@ -57,7 +57,7 @@ class Transcoding(MessageSink):
         return True
 
     def published_by(self, key: int, node: str) -> None:
-        """Hand on who published a stream."""
+        """Pass on the publisher of a stream."""
         self._sink.published_by(key, node)
 
     def _note_tf(self, topic: str) -> None:
@@ -66,7 +66,7 @@ class Transcoding(MessageSink):
             self._tf_namespaces.add(namespace)
 
     def _announce_beside(self, key: int, topic: str) -> None:
-        """Announce the stream of the transforms in the messages on a topic, where they go elsewhere than before."""
+        """Announce the stream of the transforms in a topic's messages, if their topic has changed."""
         namespace = topic.rpartition("/")[0]
         while namespace not in self._tf_namespaces:
             namespace = namespace.rpartition("/")[0]
@@ -79,7 +79,7 @@ class Transcoding(MessageSink):
         return self._sink.knows(key)
 
     def wants(self, key: int) -> bool:
-        """Return whether anything is made of this stream's messages."""
+        """Return whether this stream's messages are used."""
         return self._sink.wants(key)
 
     def pass_over(self, key: int, count: int) -> None:
@@ -87,13 +87,13 @@ class Transcoding(MessageSink):
         self._sink.pass_over(key, count)
 
     def next_file(self) -> None:
-        """Go on with another file, in which streams have keys of their own."""
+        """Continue with another file, with its own stream keys."""
         self._transcoders.clear()
         self._beside.clear()
         self._sink.next_file()
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
-        """Take one message."""
+        """Process one message."""
         transcode = self._transcoders.get(key)
         if transcode is None or not data:
             self._sink.take(key, stamp_ns, data, size=size)
@@ -104,4 +104,4 @@ class Transcoding(MessageSink):
                     self._announce_beside(key, transcode.topic)
                 self._sink.take(-1 - key if is_beside else key, stamp_ns, message, size=size)
         except BadMessageError:
-            self._sink.take(key, stamp_ns, data, size=size)  # which refuses it, and counts it
+            self._sink.take(key, stamp_ns, data, size=size)  # refuses and counts it

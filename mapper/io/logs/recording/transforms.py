@@ -1,27 +1,25 @@
-"""The tree of frames that tf keeps: where a frame was in another.
+"""Frame tree as in tf: the pose of a frame in another.
 
 The rules are those of tf2 (ros2/geometry2, tf2/src: buffer_core.cpp, cache.cpp, static_cache.cpp), as far as they can
 be followed when all messages are known:
 
-- Frames: a slash before a name is no part of it (``BufferCore::setTransform`` strips it).
-- Invalid transforms are ignored one by one, not with their message: of a frame in itself, without a name of either
-  frame, with a number that is not finite, with a quaternion whose squared length is not 1 to within 0.01
-  (``QUATERNION_NORMALIZATION_TOLERANCE``).
-- A frame has one parent at a time, and the transform carries it (``TransformStorage::frame_id_``). Between two
-  transforms with the same parent poses are interpolated; where the parent changes, the earlier one holds
-  (``TimeCache::getData``). Late transforms are put in their order (``TimeCache::insertData``).
-- A static transform holds until it is replaced, also by one with another parent; there is nothing between the two
-  (``StaticCache``). tf2 knows the last one that has come; so here a scan gets the last that had come before it, and
-  before the first of them the first, as recorders often start late.
+- Frames: a leading slash is not part of a name (``BufferCore::setTransform`` strips it).
+- Invalid transforms are ignored individually, not with their message: from a frame to itself, without the name of
+  either frame, with a number that is not finite, with a quaternion whose squared length deviates from 1 by more than
+  0.01 (``QUATERNION_NORMALIZATION_TOLERANCE``).
+- A frame has one parent at a time, stored with the transform (``TransformStorage::frame_id_``). Between two transforms
+  with the same parent poses are interpolated; where the parent changes, the earlier one holds (``TimeCache::getData``).
+  Late transforms are sorted in (``TimeCache::insertData``).
+- A static transform holds until it is replaced, also by one with another parent; there is no interpolation between the
+  two (``StaticCache``). tf2 uses the last one received; so here a scan uses the last one received before it or, before
+  the first of them, the first, because recorders often start late.
 - A look-up goes up from both frames to their first common ancestor, so that it works in any direction
-  (``BufferCore::walkToTopParent``); frames of trees that are not connected have no transform.
-- Where the clock begins again, transforms that are not static are forgotten (:mod:`mapper.io.logs.recording.runs`).
+  (``BufferCore::walkToTopParent``); frames of unconnected trees have no transform.
+- When the clock restarts, non-static transforms are dropped (:mod:`mapper.io.logs.recording.runs`).
 
-One thing is done otherwise: where several parents of a frame are stated in turns, tf2 jumps between them with every
-message. Here each is kept, and the robot's base has a trajectory in each (:meth:`FrameTree.worlds`). And nothing is
-extrapolated: :meth:`FrameTree.covers` says which times are known.
-
-Conventions of frames: REP 103, REP 105.
+There are two differences. If several parents of a frame are stated alternately, tf2 jumps between them with every
+message; here each is kept, and the robot's base has a trajectory in each (:meth:`FrameTree.worlds`). And nothing is
+extrapolated: :meth:`FrameTree.covers` returns which times are known. Conventions of frames: REP 103, REP 105.
 """
 
 from __future__ import annotations
@@ -45,38 +43,36 @@ from mapper.sensors.robot_log import TransformEdge
 
 MAX_FRAMES = 5000
 MAX_DEPTH = 64  #: frames from a sensor's up to the root
-MAX_WORLDS = 8  #: fixed frames in which the robot's trajectory is given
-MAX_CHOICES = 64  #: combinations of parents that are followed in one look-up
+MAX_WORLDS = 8  #: fixed frames in which the robot's trajectory is computed
+MAX_CHOICES = 64  #: combinations of parents tried in one look-up
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
-_WORLD_WORDS = frozenset(
-    ("map", "odom", "odometry", "vision", "world", "earth")
-)  #: one of the words of a fixed frame's name
+_WORLD_WORDS = frozenset(("map", "odom", "odometry", "vision", "world", "earth"))  #: words in names of fixed frames
 _WORLD_NAMES = frozenset(
     ("camera_init", "lidar_init", "imu_init", "init", "origin", "local_origin", "local_origin_ned", "utm", "enu", "ned")
-)  #: names of fixed frames that are one as a whole: a gripper's are tool_origin and gripper_init
+)  #: complete names of fixed frames: a gripper's are tool_origin and gripper_init
 
 Path = tuple[str, ...]  #: frames, each the parent or a child of the next
 
 
 @dataclass(slots=True)
 class _Statics:
-    """The static transforms of one frame in the order in which they came."""
+    """The static transforms of one frame in order of arrival."""
 
     parents: list[str] = field(default_factory=list)
     values: list[Pose7] = field(default_factory=list)
     positions: list[int] = field(default_factory=list)
     stamps: list[int] = field(default_factory=list)
-    recorded: list[int] = field(default_factory=list)  #: when each was recorded, 0 where that is not known
-    again: list[int] = field(default_factory=list)  #: when each was recorded for the last time in a row
+    recorded: list[int] = field(default_factory=list)  #: recording times, 0 if unknown
+    again: list[int] = field(default_factory=list)  #: recording time of the last consecutive repetition of each
 
     @property
     def track(self) -> tuple[Int64Array, Int64Array, Int64Array]:
-        """The stamps (n,), the numbers of their messages (n,) and when these were recorded (n,)."""
+        """The stamps (n,), the indices of their messages (n,) and their recording times (n,)."""
         return np.array(self.stamps), np.array(self.positions), np.array(self.recorded)
 
     def put_in_order(self) -> None:
-        """Put them into the order in which they were recorded; see :meth:`at`."""
+        """Sort them by recording time; see :meth:`at`."""
         ends = zip(self.recorded, self.again, strict=True)
         times = sorted((time, index) for index, both in enumerate(ends) for time in both)
         unique = [times[0], *(after for before, after in pairwise(times) if before[1] != after[1])]
@@ -87,9 +83,9 @@ class _Statics:
         self.stamps = [self.stamps[index] for index in which]
 
     def at(self, positions: Int64Array | None) -> Int64Array:
-        """Return which of them hold at the messages of these numbers (n,); without numbers, the last (1,).
+        """Return which of them hold at the messages with these indices (n,); without indices, the last (1,).
 
-        Once they were :meth:`put_in_order`, the numbers are the times at which the messages were recorded.
+        After :meth:`put_in_order`, the indices are the recording times of the messages.
         """
         if positions is None or len(self.parents) == 1:
             return np.array([len(self.parents) - 1])
@@ -101,7 +97,7 @@ class _Statics:
 
     @property
     def changes(self) -> bool:
-        """Whether one was replaced by another that differs."""
+        """Whether one was replaced by a different one."""
         return any(value != self.values[0] for value in self.values) or any(
             parent != self.parents[0] for parent in self.parents
         )
@@ -120,7 +116,7 @@ class Stated:
     def add(
         self, transform: StampedPose, limits: Limits, *, is_static: bool, position: int, recorded_ns: int = 0
     ) -> str:
-        """Take one transform, recorded at ``recorded_ns``; see :meth:`FrameTree.add`."""
+        """Add one transform, recorded at ``recorded_ns``; see :meth:`FrameTree.add`."""
         parent, child = transform.frame.lstrip("/"), transform.child.lstrip("/")
         why = why_ignored(parent, child, transform.pose)
         if why:
@@ -158,7 +154,7 @@ class Stated:
 
 
 class FrameTree:
-    """The transforms in one buffer of tf, by the rules above: those of a topic of tf and one of static transforms."""
+    """The transforms in one buffer of tf, by the rules above: those of one topic of tf and one of static transforms."""
 
     def __init__(self, limits: Limits, moving: Stated | None = None, static: Stated | None = None) -> None:
         self._limits = limits
@@ -166,9 +162,9 @@ class FrameTree:
         self._moving, self._static = self._of_moving.moving, self._of_static.static
 
     def add(self, transform: StampedPose, *, is_static: bool = False, position: int = 0) -> str:
-        """Take one transform, ``is_static`` where it is said never to change, of message number ``position``.
+        """Add one transform, ``is_static`` if published as constant, of the message with index ``position``.
 
-        Return which one is ignored, and why; nothing where it is valid. Raises :class:`LimitError`.
+        Return which one is ignored, and why; nothing if it is valid. Raises :class:`LimitError`.
         """
         stated = self._of_static if is_static else self._of_moving
         return stated.add(transform, self._limits, is_static=is_static, position=position)
@@ -178,7 +174,7 @@ class FrameTree:
         return self._of_moving.knows(frame) or self._of_static.knows(frame)
 
     def named_alike(self, frame: str) -> list[str]:
-        """Return a few frames whose names end as that of ``frame``, behind another prefix or none."""
+        """Return a few frames with the same name as ``frame`` after another prefix or none."""
         names = [*self._of_moving.children, *self._of_static.children, *self._moving, *self._static]
         return [name for name in dict.fromkeys(names) if name != frame and _last(name) == _last(frame)][:3]
 
@@ -188,11 +184,11 @@ class FrameTree:
 
     @property
     def frames(self) -> int:
-        """Number of frames that have a parent."""
+        """Number of frames with a parent."""
         return len(self._moving.keys() | self._static.keys())
 
     def transforms(self) -> tuple[TransformEdge, ...]:
-        """Return what is stated of each pair of frames, by child and parent."""
+        """Return the stated transforms of each pair of frames, by child and parent."""
         edges = []
         for child in sorted(self._moving.keys() | self._static.keys()):
             moving, statics = self._moving.get(child, {}), self._static.get(child)
@@ -209,9 +205,9 @@ class FrameTree:
     # Parents
 
     def parents(self, frame: str) -> tuple[str, ...]:
-        """Return all parents of a frame, the one that counts where no time is said first.
+        """Return all parents of a frame, first the one used if no time is given.
 
-        That is the one of most transforms, and the last static one where it came after the last of these.
+        That is the one with most transforms, or the last static one if it arrived after the last of these.
         """
         moving = self._moving.get(frame, {})
         order = sorted(moving, key=lambda name: -len(moving[name]))
@@ -223,13 +219,13 @@ class FrameTree:
         return tuple(dict.fromkeys([*fixed, *order] if is_later else [*order, *fixed]))
 
     def ancestors(self, frame: str) -> list[str]:
-        """Return ``frame``, its parent, and so on to the root. Raises :class:`LimitError` as :meth:`_above`."""
+        """Return ``frame``, its parent, and so on to the root. Raises :class:`LimitError` like :meth:`_above`."""
         return self._above(frame, {})
 
     def _above(self, frame: str, chosen: dict[str, str]) -> list[str]:
-        """Return ``frame`` and its ancestors, by the parents that are ``chosen`` of some.
+        """Return ``frame`` and its ancestors, using the ``chosen`` parents of some frames.
 
-        Raises :class:`LimitError` for a chain that no robot has.
+        Raises :class:`LimitError` for an implausibly long chain.
         """
         chain = [frame]
         while True:
@@ -243,13 +239,15 @@ class FrameTree:
             chain.append(parent)
 
     def loop_above(self, frame: str) -> list[str]:
-        """Return the frames of a loop that ``frame``'s ancestors end in, each the child of the next; none without."""
+        """Return the frames of a loop in which ``frame``'s ancestors end, each the child of the next; none without a
+        loop.
+        """
         chain = self.ancestors(frame)
         parent = next(iter(self.parents(chain[-1])), None)
         return [] if parent is None else [*chain[chain.index(parent) :], parent]
 
     def several_parents(self, path: Path) -> list[tuple[str, dict[str, int]]]:
-        """Return the frames of a path that have several parents, with how many transforms each of them has.
+        """Return the frames of a path with several parents, and the number of transforms to each of them.
 
         Parents of static transforms that replace each other are not counted.
         """
@@ -270,9 +268,9 @@ class FrameTree:
     # Poses
 
     def relative(self, source: str, target: str, when: Moments) -> Poses3 | None:
-        """Return where ``source`` was in ``target``, (n,) or once for all; None where they are never connected.
+        """Return the poses of ``source`` in ``target``, (n,) or one for all; None if they are never connected.
 
-        At times at which they are not, the path is that of other times.
+        At times at which they are not connected, the path of other times is used.
         """
         paths = self._paths(source, target, when)
         if not paths:
@@ -287,14 +285,14 @@ class FrameTree:
         return out
 
     def covers_relative(self, source: str, target: str, when: Moments) -> NDArray[np.bool_]:
-        """Return whether all that moves between two frames is known at each time (n,)."""
+        """Return whether all moving transforms between two frames are known at each time (n,)."""
         covered = np.zeros(len(when), dtype=np.bool_)
         for path, where in self._paths(source, target, when):
             covered[where] = self.covers(path, when.stamps_ns[where])
         return covered
 
     def path(self, source: str, target: str, chosen: dict[str, str] | None = None) -> Path | None:
-        """Return the frames from ``source`` over the first common ancestor to ``target``; None without one."""
+        """Return the frames from ``source`` via the first common ancestor to ``target``; None without one."""
         up, down = self._above(source, chosen or {}), self._above(target, chosen or {})
         common = next((frame for frame in up if frame in down), None)
         if common is None:
@@ -302,7 +300,7 @@ class FrameTree:
         return (*up[: up.index(common) + 1], *reversed(down[: down.index(common)]))
 
     def _paths(self, source: str, target: str, when: Moments) -> list[tuple[Path, NDArray[np.bool_]]]:
-        """Return the paths between two frames, with the times (n,) at which each holds."""
+        """Return the paths between two frames, with the times (n,) at which each applies."""
         always = np.ones(len(when), dtype=np.bool_)
         usual = self.path(source, target)
         choices = self._choices(source, target, when)
@@ -328,7 +326,9 @@ class FrameTree:
         return paths
 
     def _choices(self, source: str, target: str, when: Moments) -> list[tuple[str, tuple[str, ...], Int64Array]]:
-        """Return the frames above two whose parent changes, their parents, and which of them each time (n,) has."""
+        """Return the frames above two whose parent changes, their parents, and which of them applies at each time
+        (n,).
+        """
         choices = []
         seen: set[str] = set()
         todo = [source, target]
@@ -360,9 +360,9 @@ class FrameTree:
         return np.asarray(numbers[order][before])
 
     def _any_path(self, source: str, target: str, *, rigid: bool = False) -> Path | None:
-        """Return the shortest path between two frames by any parents that were ever stated; None without one.
+        """Return the shortest path between two frames via any parents ever stated; None without one.
 
-        Only by transforms that do not move, where it is ``rigid``.
+        If ``rigid``, only via transforms that do not move.
         """
         before: dict[str, str | None] = {source: None}
         level = [source]
@@ -391,7 +391,7 @@ class FrameTree:
         return self._moving.get(other, {}).get(frame), False
 
     def moving_lines(self, path: Path) -> list[tuple[int, Timeline]]:
-        """Return the transforms between a frame of a path and the next one that move, each with the frame's index."""
+        """Return the moving transforms between consecutive frames of a path, each with the frame's index."""
         lines = [(index, self._line(frame, other)[0]) for index, (frame, other) in enumerate(pairwise(path))]
         return [(index, line) for index, line in lines if line is not None and line.moves]
 
@@ -400,7 +400,7 @@ class FrameTree:
         return line is not None and line.moves
 
     def lookup(self, path: Path, when: Moments) -> Poses3:
-        """Return where the first frame of a path was in the last, at n times, or once where nothing of it moves."""
+        """Return the poses of a path's first frame in its last, at n times, or one if none of it moves."""
         poses = identity()
         for frame, other in pairwise(path):
             line, is_up = self._line(frame, other)
@@ -413,12 +413,12 @@ class FrameTree:
         statics = self._static[child]
         own = statics.of(parent)
         held = statics.at(when.positions)
-        # Where another parent holds, the nearest earlier one of this, or its first.
+        # While another parent applies, the nearest earlier one of this parent, or its first.
         nearest = own[np.maximum(np.searchsorted(own, held, side="right") - 1, 0)]
         return poses_of(np.array(statics.values)[nearest])
 
     def covers(self, path: Path, stamps_ns: Int64Array) -> NDArray[np.bool_]:
-        """Return whether all that moves along a path is known at each time (n,)."""
+        """Return whether all moving transforms along a path are known at each time (n,)."""
         covered = np.ones(len(stamps_ns), dtype=np.bool_)
         for frame, other in pairwise(path):
             line, _ = self._line(frame, other)
@@ -427,9 +427,9 @@ class FrameTree:
         return covered
 
     def stated(self, path: Path) -> tuple[Moments, Int64Array]:
-        """Return the times (n,) at which anything that moves along a path is stated, in their order, each once.
+        """Return the distinct times (n,), ascending, at which any moving transform along a path is stated.
 
-        Beside them are the stamps (n,) as they were stated.
+        Also returned are the stamps (n,) as stated.
         """
         lines = [line for frame, other in pairwise(path) if (line := self._line(frame, other)[0]) is not None]
         lines = [line for line in lines if line.moves]
@@ -441,7 +441,7 @@ class FrameTree:
         return Moments(stamps, positions[index]), np.concatenate([line.as_stated for line in lines])[index]
 
     def is_fixed(self, source: str, target: str) -> bool:
-        """Return whether all between two frames was said never to change, and did not so far (tf_static)."""
+        """Return whether all transforms between two frames are static (tf_static), and did not change so far."""
         path = self.path(source, target)
         if path is None:
             return False
@@ -452,7 +452,7 @@ class FrameTree:
         )
 
     def reaches(self, source: str, target: str, stamp_ns: int) -> bool:
-        """Return whether all between two frames that may change was stated for ``stamp_ns`` or later."""
+        """Return whether all non-static transforms between two frames were stated for ``stamp_ns`` or later."""
         path = self.path(source, target)
         if path is None:
             return False
@@ -462,11 +462,11 @@ class FrameTree:
     # The robot
 
     def base_of(self, sensor: str, hints: set[str]) -> str:
-        """Return the frame of the robot's base, for the frame of a sensor.
+        """Return the robot's base frame for the frame of a sensor.
 
-        Of its ancestors, that is the one of a customary name; else the one that an odometry message names (``hints``);
-        else the frame of a customary name that is fixed to the sensor another way, as where a camera is the root; else
-        the lowest that moves in its parent; else the sensor's frame itself.
+        It is the ancestor with a customary name; else the one named by an odometry message (``hints``); else the frame
+        with a customary name that is fixed to the sensor in another way, as if a camera is the root; else the lowest
+        frame that moves in its parent; else the sensor's frame itself.
         """
         chain = self.ancestors(sensor)
         last = [_last(frame) for frame in chain]
@@ -480,15 +480,15 @@ class FrameTree:
         if fixed is not None:
             return fixed
         lowest = next((frame for frame, other in pairwise(chain) if self._moves(frame, other)), None)
-        # Of a robot that is the root itself, a fixed frame moves in it.
+        # If the robot itself is the root, a fixed frame moves in it.
         return lowest or next((frame for frame in chain[1:] if self._has_fixed_child(frame)), sensor)
 
     def _has_fixed_child(self, frame: str) -> bool:
-        """Return whether a frame that is named as a fixed one moves in another."""
+        """Return whether a frame named like a fixed one moves in another."""
         return any(is_fixed_name(child) and self._moves(frame, child) for child in self._children_of(frame))
 
     def _fixed_base(self, sensor: str) -> str | None:
-        """Return the base that is connected to a sensor by nothing that moves, in its namespace; None without one."""
+        """Return the base rigidly connected to a sensor, in its namespace; None without one."""
         for name in BASES:
             frame = f"{sensor.rpartition('/')[0]}/{name}".lstrip("/")
             if self.knows(frame) and self._any_path(sensor, frame, rigid=True) is not None:
@@ -496,10 +496,10 @@ class FrameTree:
         return None
 
     def base_apart(self, sensor: str, hints: set[str]) -> str | None:
-        """Return the base of the robot whose ``sensor`` is a frame that tf does not connect to it; None without one.
+        """Return the base of a robot whose ``sensor`` is a frame not connected to it by tf; None without one.
 
-        That is a frame that :meth:`is_base` and that moves in an ancestor, or in which a fixed frame moves. Of several
-        robots, it is the one in the sensor's namespace; where none or several are, none.
+        It is a frame that :meth:`is_base` and moves in an ancestor, or in which a fixed frame moves. If there are
+        several robots, it is the one in the sensor's namespace; None if there is not exactly one.
         """
         named = (*self._of_moving.children, *self._of_static.children)
         known = dict.fromkeys([*self._moving, *self._static, *named])
@@ -512,18 +512,18 @@ class FrameTree:
 
     @staticmethod
     def is_base(frame: str, hints: set[str]) -> bool:
-        """Return whether a frame is named as the robot's base is, or by an odometry message (``hints``)."""
+        """Return whether a frame is named like a robot's base, or by an odometry message (``hints``)."""
         return _last(frame) in BASES or frame in hints
 
     def worlds(self, base: str, hints: Collection[str] = (), *, only_moving: bool = False) -> list[Path]:
-        """Return the paths from ``base`` to the frames in which it moves, or that are named as fixed frames are.
+        """Return the paths from ``base`` to the frames in which it moves, or that are named like fixed frames.
 
-        These are ancestors by any parent that was stated. A frame that is named as a fixed one and moves in ``base`` or
-        in an ancestor counts as well, with its own ancestors: some publish odometry as ``base_link → odom``. Where
-        ``base`` moves in none, those count in which a frame that is fixed to it moves by another parent. ``map`` comes
-        first, then from the farthest on, at most :data:`MAX_WORLDS`. With ``only_moving`` it has to move. A frame that
-        is named as a base is, or by an odometry message (``hints``), is of the robot, also where ``base`` tilts or
-        rises in it; so is what is between the two.
+        These are ancestors via any stated parent. A frame named like a fixed one that moves in ``base`` or in an
+        ancestor also counts, with its own ancestors, because some publish odometry as ``base_link → odom``. If ``base``
+        moves in none, those count in which a frame fixed to it moves via another parent. ``map`` comes first, then the
+        farthest, at most :data:`MAX_WORLDS`. With ``only_moving`` the base has to move in them. A frame named like a
+        base, or by an odometry message (``hints``), belongs to the robot, even if ``base`` tilts or rises in it; so do
+        the frames between the two.
         """
         up = list(self._paths_up((base,), moves=False))
         robot = {
@@ -540,7 +540,7 @@ class FrameTree:
                     down.append(((*path, child), True))
                     down += self._paths_up((*path, child), moves=True)
             if moves:
-                break  # what is beside a frame that moves may be another robot's
+                break  # frames next to a moving one may be another robot's
         if not any(moves for _, moves in up):
             down += self._paths_beside(base)
         paths: dict[Path, None] = {}
@@ -550,9 +550,10 @@ class FrameTree:
         return sorted(paths, key=lambda path: _last(path[-1]) != "map")[:MAX_WORLDS]
 
     def _paths_beside(self, base: str) -> Iterator[tuple[Path, bool]]:
-        """Yield the paths over a frame that is fixed to ``base`` and moves in another parent of its own.
+        """Yield the paths via a frame that is fixed to ``base`` and moves in another parent of its own.
 
-        A tracking camera is so where the robot's description has it in ``base``, and its driver in a fixed frame.
+        An example is a tracking camera that is in ``base`` in the robot's description, and in a fixed frame in its
+        driver.
         """
         level: list[Path] = [(base,)]
         for _ in range(MAX_DEPTH):
@@ -569,7 +570,9 @@ class FrameTree:
                         yield from self._paths_up((*path, parent), moves=True)
 
     def _paths_up(self, path: Path, *, moves: bool) -> Iterator[tuple[Path, bool]]:
-        """Yield the paths on from the last frame of one to its ancestors, with whether anything moves along them."""
+        """Yield the continuations of a path to the ancestors of its last frame, and whether anything moves along
+        them.
+        """
         todo = [(path, moves)]
         n = 0
         while todo and n < MAX_DEPTH * 4:
@@ -595,7 +598,7 @@ def why_ignored(parent: str, child: str, pose: Pose7) -> str:
 
 
 def is_fixed_name(frame: str) -> bool:
-    """Return whether a frame is named as fixed ones are: one of its words is map, odom or similar, or it is utm, …"""
+    """Return whether a frame is named like a fixed one: one of its words is map, odom or similar, or it is utm, …"""
     name = _last(frame).lower()
     return name in _WORLD_NAMES or bool(_WORLD_WORDS & set(re.split(r"[^a-z]+", name)))
 

@@ -65,7 +65,10 @@ class Transcoder:
     write: Callable[[str, Values], Written]
 
     def messages(self, data: bytes) -> Iterator[tuple[bool, bytes]]:
-        """Yield the messages in CDR: whether it is an additional transform, and its bytes."""
+        """Yield the messages in CDR: whether it is an additional transform, and its bytes.
+
+        Raises :class:`BadMessageError`.
+        """
         try:
             values = self._values(data)
             beside, message = self.write(self.topic, values)

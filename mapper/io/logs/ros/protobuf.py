@@ -78,7 +78,10 @@ def _values(field: Field, wire: int, value: int | bytes, depth: int) -> list[Any
 
 
 def numbers(kind: str, wire: int, value: int | bytes, most: int | None = None) -> tuple[list[Any], int]:
-    """Return the first ``most`` numbers of a field, which may be packed, and how many there are."""
+    """Return the first ``most`` numbers of a field, which may be packed, and how many there are.
+
+    Raises :class:`BadMessageError`.
+    """
     if kind in FIXED:
         single, code, size = FIXED[kind]
         raw = bytes_of(value)

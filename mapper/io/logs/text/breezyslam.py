@@ -93,7 +93,10 @@ def wheel_poses(ticks: NDArray[np.float64]) -> NDArray[np.float64]:
 def read_breezyslam(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the BreezySLAM log at ``path``, plain or compressed."""
+    """Return the BreezySLAM log at ``path``, plain or compressed.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
     reader = _Reader(limits)
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A BreezySLAM log")
     stack = reader.stack

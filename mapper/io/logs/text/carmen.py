@@ -251,7 +251,10 @@ class CarmenReader:
         self.parameters[name] = value
 
     def log(self, name: str, notes: list[str], topic: str | None = None) -> ScanLog:
-        """Return the scans of one sensor, the preferred one if ``topic`` names none."""
+        """Return the scans of one sensor, the preferred one if ``topic`` names none.
+
+        Raises :class:`ReadError` if there is none.
+        """
         word = self._chosen(topic)
         sensor = self.sensors[word]
         notes += [note for parameter, note in self._not_stated.items() if parameter.startswith(_side_of(word))]
@@ -510,7 +513,10 @@ def _is_near(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
 def read_carmen(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CARMEN log at ``path``, plain or compressed; ``topic`` is the word of the sensor's lines."""
+    """Return the CARMEN log at ``path``, plain or compressed; ``topic`` is the word of the sensor's lines.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
     reader, notes = _read(path, limits, progress)
     return reader.log(path.name, notes, topic)
 

@@ -98,7 +98,10 @@ def _mount(stack: ScanStack) -> tuple[tuple[float, float, float], list[str]]:
 def read_cmu(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CMU log at ``path``, plain or compressed, in metres; its trajectories are in the frame ``odom``."""
+    """Return the CMU log at ``path``, plain or compressed, in metres; its trajectories are in the frame ``odom``.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
     reader = _Reader(limits)
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CMU log", "it has no L line")
     stack = reader.stack

@@ -237,7 +237,10 @@ class _Reader:
 def read_csv_scans(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CSV log at ``path``, plain or compressed."""
+    """Return the CSV log at ``path``, plain or compressed.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
     reader = _Reader(limits)
     missing = "no line follows 'stamp,x,y,theta,ranges'"
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CSV log", missing)

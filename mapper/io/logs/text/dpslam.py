@@ -56,7 +56,10 @@ class _DpslamReader:
 def read_dpslam(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the DP-SLAM log at ``path``, plain or compressed; its stamps are zero."""
+    """Return the DP-SLAM log at ``path``, plain or compressed; its stamps are zero.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
     reader = _DpslamReader(limits)
     lines = TextLines(path, limits, progress)
     notes = take_one_sensor(reader, lines, topic, "A DP-SLAM log", "it has no Laser line")
