@@ -104,7 +104,7 @@ def page_names() -> set[str]:
 
 
 def missing_page(request: Request) -> Response | None:
-    """Return the page for a missing page, with status 404; None for a client that does not request a page."""
+    """Return the page that reports a missing page, status 404; None for a client that does not request a page."""
     if request.method not in ("GET", "HEAD") or "text/html" not in request.headers.get("accept", ""):
         return None
     root = find_pages()

@@ -213,7 +213,7 @@ class JobQueue(Generic[Q, P, R]):
         running = self.running.get(key)
         return self._leases.elsewhere.get(self._name(key), 0.0) if running is None else running.fraction
 
-    # -- the job --------------------------------------------------------------------------------------------------
+    # -- job ------------------------------------------------------------------------------------------------------
 
     def _name(self, key: Key) -> str:
         return f"{self._kind.name} {key[1]} {key[0]}"

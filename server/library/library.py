@@ -314,7 +314,7 @@ class Library:
             raise LogReadOnlyError("log.read_only", "This log belongs to the server: how it is read cannot be changed.")
         return record
 
-    # -- looking ------------------------------------------------------------------------------------------------
+    # -- queries ------------------------------------------------------------------------------------------------
 
     async def list(self, owner: str) -> Sequence[Record]:
         """Return the logs that ``owner`` may open: own uploads (newest first), the folder's, the sample."""
@@ -336,7 +336,7 @@ class Library:
         """Return the picture of a log's map as PNG; see :meth:`VisibleLogs.picture`."""
         return await self._visible.picture(owner, log_id, dark=dark)
 
-    # -- the log itself -----------------------------------------------------------------------------------------
+    # -- contents -----------------------------------------------------------------------------------------------
 
     async def load(self, owner: str, log_id: str, topic: str | None = None, cut: PlanarCut | None = None) -> ScanLog:
         """Return a log with the additions of ``owner``; wait for a running job.

@@ -145,7 +145,7 @@ class Scene:
     def _ignore(self) -> None:
         self._session.ignore(self._changed.set)
 
-    # -- building -----------------------------------------------------------------------------------------------
+    # -- setup --------------------------------------------------------------------------------------------------
 
     def _build(self, state: SceneState) -> None:
         scene = self._server.scene

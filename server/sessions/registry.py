@@ -363,7 +363,7 @@ class SessionRegistry:
     async def _free_bytes(
         self, log: ScanLog, room: int, message: str, *, guest: bool, owner: str | None = None
     ) -> None:
-        """End sessions until the logs of the others (of those of ``owner``) use at most ``room`` bytes."""
+        """End sessions until logs other than ``log`` (of ``owner``, if given) use at most ``room`` bytes."""
         while True:
             logs = [s for s in self._sessions.values() if s.model.footprint.logs and owner in (s.owner, None)]
             # Sessions of one log share its data.

@@ -62,7 +62,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         self._now = costmap
         self._layer.set(costmap.geometry, costmap.costs, LOWEST, HIGHEST, costmap.costs == NO_INFORMATION)
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> Sequence[Layer]:

@@ -148,7 +148,7 @@ class LogModel(SessionModel):
             self.playback.playing = False
             self.go_to(min(view.index, replay.log.n_scans))
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> Sequence[Layer]:

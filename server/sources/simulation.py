@@ -97,7 +97,7 @@ class SimulationModel(SessionModel):
         self._second: GridLayer | None = None
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> Sequence[Layer]:

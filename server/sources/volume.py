@@ -116,7 +116,7 @@ class VolumeModel(SessionModel, Volumetric):
         """Return the limits of the map."""
         return map_limits(self._host.limits())
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> Sequence[Layer]:

@@ -150,7 +150,7 @@ def map3d(
     rest = inputs if read is None else inputs[1:]
     with refusing(inputs[0]):
         meshes = any(path.suffix in MESHES for path in out)
-        # An octree may be larger than a map may be.
+        # An octree may exceed the size limit of maps.
         from_tree = read is not None and (rest or projection is not None or meshes)
         volume = read.tree.volume(config) if read is not None and from_tree else OccupancyVolume(config)
     posed = 0  # number of clouds so far, each of which uses one of the poses

@@ -88,7 +88,7 @@ def _public(puzzle: MadePuzzle) -> MadePuzzleAnswer:
     return MadePuzzleAnswer(puzzle.token, f"/puzzle/{puzzle.token}", puzzle.title, puzzle.created_s, cause)
 
 
-# -- which there are, and those that a visitor makes ---------------------------------------------------------------
+# -- list and create -----------------------------------------------------------------------------------------------
 
 
 @router.get("/api/puzzles")
@@ -150,7 +150,7 @@ async def remove(sessions: Sessions, library: Logs, puzzles: AllPuzzles, visitor
     await sessions.end_linked(link_of(token))
 
 
-# -- beginning one -------------------------------------------------------------------------------------------------
+# -- start ---------------------------------------------------------------------------------------------------------
 
 
 def link_of(token: str) -> str:

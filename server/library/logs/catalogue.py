@@ -107,7 +107,7 @@ class Catalogue:
             if path.suffix not in (".npz", ".png") or not (log_id in self._records or log_id in self.folder_logs):
                 path.unlink(missing_ok=True)
 
-    # -- looking ------------------------------------------------------------------------------------------------
+    # -- queries ------------------------------------------------------------------------------------------------
 
     def get(self, log_id: str) -> Record | None:
         """Return a record, None if there is none."""

@@ -83,7 +83,7 @@ class CostmapPart(Part, Costed):
         self._uploaded: UploadedCosts | None = None
         self._laid: LayerCosts | None = None  #: the terrain in the costmap
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> tuple[Layer, ...]:

@@ -68,7 +68,7 @@ class VolumeDrawings:
         self.chosen = ChosenVoxel()
         self._changes: list[Drawing] = []
 
-    # -- what is to be made again ---------------------------------------------------------------------------------
+    # -- updates --------------------------------------------------------------------------------------------------
 
     @property
     def pending(self) -> int:
@@ -208,7 +208,7 @@ class VolumeDrawings:
             for start in range(0, max(len(points), 1), IN_A_DRAWING)
         ]
 
-    # -- a comparison -----------------------------------------------------------------------------------------------
+    # -- comparison -------------------------------------------------------------------------------------------------
 
     def show_changes(self, changes: Changes | None, size: float) -> None:
         """Show the voxels that differ from another map; None ends it."""

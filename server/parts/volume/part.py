@@ -353,7 +353,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
             self._voxels = dict(self._faces.chunks)
         self._palette = NORMAL_COLOURS if by_normal else PALETTE  # changes with the chunks
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------------
 
     def messages(self) -> list[Map3dMessage | SurfaceMessage]:
         """Return the ``map3d`` message, and ``surface`` while the surface is shown."""

@@ -141,7 +141,7 @@ class VolumeSurface:
         mesh = surface_mesh(now.volume)
         return (ply_bytes if kind == ".ply" else glb_bytes)(mesh, offset)
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------------
 
     @property
     def _problem(self) -> str | None:

@@ -165,7 +165,7 @@ class FleetJobs:
             self._changed_at.pop(key, None)
             self._whole = self._revision
 
-    # -- asked for ------------------------------------------------------------------------------------------------
+    # -- requests -------------------------------------------------------------------------------------------------
 
     async def begin(self, logs: Sequence[Record], *, again: bool = False, request: FleetRequest | None = None) -> int:
         """Queue the logs that have no result and are not under way; ``again``: also those that failed.
@@ -215,7 +215,7 @@ class FleetJobs:
         cluster = None if self._cluster is None else self._cluster.state
         return FleetState(self._revision, whole, self.places, cluster, counts, shown)
 
-    # -- the job --------------------------------------------------------------------------------------------------
+    # -- job ------------------------------------------------------------------------------------------------------
 
     async def _mapped(self, record: Job, running: Running[float]) -> FleetFacts:
         """Have a worker do the job; return the facts."""
