@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from mapper.core.parameter import Values
 from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
@@ -74,7 +75,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         )
     offset = round(seen.time_offset + delay, 2)
     row = BY_NAME["time_offset"]
-    parameters: Values | None = {"time_offset": offset} if row.low <= offset <= row.high else None
+    parameters: dict[str, Any] | None = {"time_offset": offset} if row.low <= offset <= row.high else None
     remedy = f"Map with a time offset of {offset:g} s (--time-offset {offset:g}). " if parameters else ""
     who = "after" if delay > 0.0 else "before"
     return [
