@@ -19,8 +19,8 @@ FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps away from the best of them, one aft
 LEAST_SPANS = 8  #: times as long as a delay that is tried is the log at least
 LEAST_SCANS = 10
 OFF_BORDER = 0.13  #: of a cell: by it all is moved, so that walls at round coordinates are on no border of the grids
-BETTER = 1.06
-BY = 0.015
+#: How many times as consistent, and by how much at least, a map must be for other times to be said to fit better.
+BETTER, BY = 1.06, 0.015
 
 
 def check_clock(log: ScanLog) -> list[Finding]:
