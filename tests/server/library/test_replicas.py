@@ -173,7 +173,7 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
     await eventually(lambda: all(state("ann", ids[0]).state == "done" for state in states))
     mapped = [two.second.get("ann", ids[0])]
     await eventually(lambda: two.second.fleet.state(mapped).counts["done"] == 1)
-    assert sorted(done) == ["BackgroundFleetJob", "MergeJob", "SlamJob"], "each once"
+    assert sorted(done) == ["FleetJob", "MergeJob", "SlamJob"], "each once"
     await eventually(lambda: two.first.slam.state("ann", ids[0]).state == "done")
     stored = two.now(
         lambda c: sorted(tuple(row) for row in c.execute(select(jobs.c.kind, jobs.c.state, jobs.c.attempts)))
