@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from mapper.core.parameter import Values
-
 POSSIBLE = 0.7  #: confidence required for a finding to be stated as a fact
 
 
@@ -25,7 +23,7 @@ class Finding:
     advice: str
     sure: float
     scans: tuple[int, ...] = ()
-    parameters: Values | None = None
+    parameters: dict[str, Any] | None = None
     sensor: str = ""
 
     @property

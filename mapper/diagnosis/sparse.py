@@ -8,11 +8,11 @@ import numpy as np
 
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import MOST_SCANS, Finding
+from mapper.diagnosis.timing import BETTER, BY
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.sparse_poses import ADVICE, sparse_turns
 
 CHECK = "timing.sparse"
-BETTER, BY = 1.06, 0.015  #: as for a delay (:mod:`mapper.diagnosis.timing`)
 LEAST_OTHERS = 0.1  #: minimum fraction of scans outside turns, by which the map without turns is judged
 
 

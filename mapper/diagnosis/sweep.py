@@ -6,12 +6,12 @@ from dataclasses import replace
 
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
+from mapper.diagnosis.timing import BETTER, BY
 from mapper.sensors.joint_log import sensors_of, with_trajectories
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
 
 CHECK = "timing.increment"
-BETTER, BY = 1.06, 0.015  #: as for a delay (:mod:`mapper.diagnosis.timing`)
 DELAYS_S = (-0.3, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.3)  #: delays with which deskewed beams may agree as well
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from mapper.core.parameter import Values
 from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
@@ -18,8 +19,8 @@ FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps around the best of them, in order
 LEAST_SPANS = 8  #: minimum length of the log in multiples of a tested delay
 LEAST_SCANS = 10
 OFF_BORDER = 0.13  #: in cells: everything is shifted by it, so that walls at round coordinates are not on a cell border
-BETTER = 1.06
-BY = 0.015
+#: How many times as consistent, and by how much at least, a map must be for other times to be said to fit better.
+BETTER, BY = 1.06, 0.015
 
 
 def check_clock(log: ScanLog) -> list[Finding]:
@@ -74,7 +75,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         )
     offset = round(seen.time_offset + delay, 2)
     row = BY_NAME["time_offset"]
-    parameters: Values | None = {"time_offset": offset} if row.low <= offset <= row.high else None
+    parameters: dict[str, Any] | None = {"time_offset": offset} if row.low <= offset <= row.high else None
     remedy = f"Map with a time offset of {offset:g} s (--time-offset {offset:g}). " if parameters else ""
     who = "after" if delay > 0.0 else "before"
     return [

@@ -13,6 +13,7 @@ from server.sessions import SessionRegistry
 from server.sessions.parts import Recording, Viewed
 
 if TYPE_CHECKING:
+    from server.library.library import Library
     from server.sessions import SessionHost
 
 T = TypeVar("T")
@@ -34,6 +35,11 @@ class SessionOfLog:
     def log_id(self) -> str:
         """Id of the log."""
         return self.recording.log_id
+
+
+def log_owner(session: SessionHost, library: Library) -> str:
+    """Return whose log a session shows: for a guest that of the link's owner."""
+    return session.owner if session.link is None else library.links.get(session.link).owner
 
 
 def part_of_log(

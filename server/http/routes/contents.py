@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import ConfigError, MapperError, ReadError
@@ -24,10 +24,11 @@ from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
-from server.http.session_access import part_of_log
+from server.http.session_access import log_owner, part_of_log
 from server.library.library import Library
 from server.sessions import SessionRegistry
 from server.sessions.parts import Recording
+from server.work.fair_lock import FairLock
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -75,28 +76,58 @@ def _origin_ns(log: ScanLog) -> int:
     return int(log.stamps_ns.min()) if log.n_scans else 0
 
 
-def _recording(sessions: SessionRegistry, session_id: str) -> Recording:
-    message = "Only a recording has contents to list, not a live world."
-    return part_of_log(sessions.get(session_id), Recording, message)
+@dataclass(frozen=True, slots=True)
+class ContentsRequest:
+    """A request for something of the recording of a session."""
+
+    request: Request
+    sessions: SessionRegistry
+    library: Library
+    visitor: str
+    work: FairLock
+    session_id: str
+
+    @property
+    def recording(self) -> Recording:
+        """The recording. Raises :class:`MapperError` for a session of another kind, or none."""
+        message = "Only a recording has contents to list, not a live world."
+        return part_of_log(self.sessions.get(self.session_id), Recording, message)
+
+    @property
+    def owner(self) -> str:
+        """The owner of the session's log; for a guest, the owner of the link."""
+        return log_owner(self.sessions.get(self.session_id), self.library)
+
+    @property
+    def address(self) -> str:
+        """The address that the request came from."""
+        return client_address(self.request)
+
+    async def contents(self) -> Contents | float:
+        """Return the contents of the recording, or the progress of reading them, 0 to 1."""
+        log_id = self.recording.log_id
+        return await self.library.contents(self.owner, log_id, self.visitor, address=self.address)
+
+    async def held(self) -> HeldContents:
+        """Return the contents of the recording, if they are known. Raises :class:`NotInspectedError`."""
+        recording, contents = self.recording, await self.contents()
+        if isinstance(contents, float):
+            message = "The contents of the recording are still being read; /contents reports the progress."
+            raise NotInspectedError("contents.not_yet", message)
+        return HeldContents(recording, contents)
+
+    async def in_turn(self, answer: Callable[[], Response]) -> Response:
+        """Return an answer computed off the event loop, because a series may have millions of samples."""
+        return await in_turn(self.request, self.work, self.visitor, answer)
 
 
-async def _looked_into(
-    request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str
-) -> tuple[Recording, Contents | float]:
-    recording = _recording(sessions, session_id)
-    owner = owner_of(sessions, library, session_id)
-    return recording, await library.contents(owner, recording.log_id, visitor, address=client_address(request))
+async def _contents_request(
+    request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
+) -> ContentsRequest:
+    return ContentsRequest(request, sessions, library, visitor, work, session_id)
 
 
-async def look_into(
-    request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str
-) -> HeldContents:
-    """Return the contents of a session's recording, if they are known. Raises :class:`NotInspectedError`."""
-    recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
-    if isinstance(contents, float):
-        message = "The contents of the recording are still being read; /contents reports the progress."
-        raise NotInspectedError("contents.not_yet", message)
-    return HeldContents(recording, contents)
+Asked = Annotated[ContentsRequest, Depends(_contents_request)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,15 +185,13 @@ class ContentsAnswer:
     responses={202: {"model": ContentsReading, "description": "The recording is still being gone through."}},
 )
 @guests_may(GuestRight.LINKED_SESSION)
-async def contents(
-    request: Request, response: Response, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str
-) -> ContentsAnswer | ContentsReading:
+async def contents(response: Response, asked: Asked) -> ContentsAnswer | ContentsReading:
     """Return every topic of the recording, and which of them can be plotted.
 
     The first request starts reading them, which may take as long as reading the log. Until then the answer is 202 with
     ``progress`` from 0 to 1, and each request keeps the reading alive. Times are seconds since the log's first scan.
     """
-    recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
+    recording, contents = asked.recording, await asked.contents()
     if isinstance(contents, float):
         response.status_code = 202
         return ContentsReading(round(contents, 3))
@@ -188,16 +217,9 @@ async def contents(
 
 @router.delete("/{session_id}/contents", status_code=204)
 @guests_may(GuestRight.LINKED_SESSION)
-async def stop(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> None:
+async def stop(asked: Asked) -> None:
     """Stop reading the contents of the recording, if this visitor began it. The next request starts again."""
-    recording = _recording(sessions, session_id)
-    library.stop_inspecting(owner_of(sessions, library, session_id), recording.log_id, visitor)
-
-
-def owner_of(sessions: SessionRegistry, library: Library, session_id: str) -> str:
-    """Return the owner of a session's log; for a guest, the owner of the link."""
-    session = sessions.get(session_id)
-    return session.owner if session.link is None else library.links.get(session.link).owner
+    asked.library.stop_inspecting(asked.owner, asked.recording.log_id, asked.visitor)
 
 
 def _topic(topic: TopicContents, held: HeldContents, ahead_ns: int, is_chosen: bool | None) -> TopicAnswer:
@@ -218,40 +240,27 @@ def _topic(topic: TopicContents, held: HeldContents, ahead_ns: int, is_chosen: b
 @router.get("/{session_id}/contents/series", response_model=SeriesAnswer)
 @guests_may(GuestRight.LINKED_SESSION)
 async def series(
-    request: Request,
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-    work: RequestWork,
-    session_id: str,
+    asked: Asked,
     topic: Annotated[str, Query(max_length=400)],
     start: Annotated[Seconds | None, Query(description="Seconds; from the beginning where left out.")] = None,
     end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
     buckets: Buckets = BUCKETS,
 ) -> Response:
     """Return the numbers of one topic's messages over time, as extreme values, at most two rows per bucket."""
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     series = next((series for series in held.contents.series if series.topic == topic), None)
     if series is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
 
-    # A series may have millions of samples, which would delay all streams if processed on the event loop.
-    return await in_turn(
-        request,
-        work,
-        visitor,
-        lambda: json_answer(SeriesAnswer.of(series, held.origin_of(series), start, end, buckets)),
+    return await asked.in_turn(
+        lambda: json_answer(SeriesAnswer.of(series, held.origin_of(series), start, end, buckets))
     )
 
 
 @router.get("/{session_id}/contents/picture", **file_answer("image/jpeg", "image/png"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def picture(
-    request: Request,
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-    session_id: str,
+    asked: Asked,
     topic: Annotated[str, Query(max_length=400)],
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> Response:
@@ -259,14 +268,14 @@ async def picture(
 
     The header ``X-Picture-Seconds`` is its recording time, on the same clock as ``at``.
     """
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     if not any(topic_.name == topic and topic_.type in PICTURED for topic_ in held.contents.topics):
         raise MapperError("contents.no_picture", f"The recording has no images or clouds on {topic!r:.200}.")
     ahead_ns = held.recorded_ahead_ns
-    owner = owner_of(sessions, library, session_id)
-    address = client_address(request)
-    making = library.picture(owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=address)
-    moment_picture = await while_connected(request, making)
+    making = asked.library.picture(
+        asked.owner, held.recording.log_id, asked.visitor, topic, held.recorded_ns(at), address=asked.address
+    )
+    moment_picture = await while_connected(asked.request, making)
     seconds = held.seconds(moment_picture.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
     return Response(moment_picture.data, media_type=moment_picture.media_type, headers=headers)
@@ -289,18 +298,14 @@ class CameraAnswer:
 @router.get("/{session_id}/contents/camera")
 @guests_may(GuestRight.LINKED_SESSION)
 async def camera(
-    request: Request,
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-    session_id: str,
+    asked: Asked,
     topic: Annotated[str, Query(max_length=400)],
     x: Annotated[float, Query(allow_inf_nan=False, description="Metres in the map.")],
     y: Annotated[float, Query(allow_inf_nan=False, description="Metres in the map.")],
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> CameraAnswer:
     """Return where a point of the map is in an image of a topic at a moment, along the current trajectory."""
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     log = held.recording.log
     trajectory = log.trajectories[held.recording.trajectory]
     order = np.argsort(log.stamps_ns, kind="stable")
@@ -334,12 +339,10 @@ class LinesAnswer:
 
 @router.get("/{session_id}/contents/lines", response_model=LinesAnswer)
 @guests_may(GuestRight.LINKED_SESSION)
-async def lines(
-    request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
-) -> Response:
+async def lines(asked: Asked) -> Response:
     """Return the lines of /rosout and the state changes on /diagnostics."""
-    held = await look_into(request, sessions, library, visitor, session_id)
-    return await in_turn(request, work, visitor, lambda: json_answer(_lines(held)))
+    held = await asked.held()
+    return await asked.in_turn(lambda: json_answer(_lines(held)))
 
 
 def _lines(held: HeldContents) -> LinesAnswer:
@@ -377,23 +380,19 @@ class MessageAnswer:
 @router.get("/{session_id}/contents/message")
 @guests_may(GuestRight.LINKED_SESSION)
 async def message(
-    request: Request,
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-    session_id: str,
+    asked: Asked,
     topic: Annotated[str, Query(max_length=400)],
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> MessageAnswer:
     """Return the latest message on a topic at a moment, decoded by the definition in the recording."""
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     if not any(topic_.name == topic for topic_ in held.contents.topics):
         raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
-    owner, ahead_ns = owner_of(sessions, library, session_id), held.recorded_ahead_ns
-    making = library.message(
-        owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=client_address(request)
+    ahead_ns = held.recorded_ahead_ns
+    making = asked.library.message(
+        asked.owner, held.recording.log_id, asked.visitor, topic, held.recorded_ns(at), address=asked.address
     )
-    raw = await while_connected(request, making)
+    raw = await while_connected(asked.request, making)
     seconds = held.seconds(raw.stamp_ns - ahead_ns)
     return MessageAnswer(topic, raw.type, seconds, str(raw.stamp_ns), raw.bytes, raw.tree)
 
@@ -442,11 +441,7 @@ class FramesAnswer:
 @router.get("/{session_id}/contents/frames")
 @guests_may(GuestRight.LINKED_SESSION)
 async def frames(
-    request: Request,
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-    session_id: str,
+    asked: Asked,
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
     fixed: Annotated[str | None, Query(max_length=200, description="The frame to which all should lead.")] = None,
     tf: Annotated[
@@ -459,7 +454,7 @@ async def frames(
     that of the session's trajectory unless ``fixed`` names another one. If the recording's transforms do not contain
     it, it is the root above the sensor's frame.
     """
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     log = held.recording.log
     sensor = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
     trees = trees_of(held.contents.edges, sensor)
@@ -512,19 +507,14 @@ def _edge(edge: FrameEdge, at_ns: int, *, is_used: bool) -> FrameEdgeAnswer:
 @router.get("/{session_id}/contents/frame_age", response_model=SeriesAnswer)
 @guests_may(GuestRight.LINKED_SESSION)
 async def frame_age(
-    request: Request,
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-    work: RequestWork,
-    session_id: str,
+    asked: Asked,
     tf: Annotated[str, Query(max_length=400, description="The topic of the transforms.")],
     parent: Annotated[str, Query(max_length=200)],
     child: Annotated[str, Query(max_length=200)],
     buckets: Buckets = BUCKETS,
 ) -> Response:
     """Return the age of a moving transform over the time of the log, seconds. It grows until the next transform."""
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     key = (tf, parent, child)
     edge = next((edge for edge in held.contents.edges if (edge.topic, edge.parent, edge.child) == key), None)
     if edge is None or edge.is_static:
@@ -532,10 +522,7 @@ async def frame_age(
     until_ns = int(held.recording.log.stamps_ns.max(initial=held.origin_ns))
 
     # No gaps, because the line over a pause of the transforms is the requested age.
-    return await in_turn(
-        request,
-        work,
-        visitor,
+    return await asked.in_turn(
         lambda: json_answer(
             replace(SeriesAnswer.of(edge.ages(until_ns), held.origin_ns, None, None, buckets), gaps=[])
         ),

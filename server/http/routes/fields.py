@@ -7,19 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Query, Response
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.carmen_lines import CARMEN_LINE
 from mapper.io.contents.downsampling import derivative, moving_average, unit_of_rate
 from mapper.io.contents.model import Column, Contents, Series
 from mapper.io.contents.scan_series import plot_origin_ns
-from server.http.clients import client_address, in_turn
 from server.http.computed_series import COMPUTED, computed_fields, computed_series, recording_of
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.contents import ContentsReading, look_into, owner_of
+from server.http.routes.contents import Asked, ContentsReading
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
-from server.http.services import Logs, RequestWork, Sessions, Visitor
 
 if TYPE_CHECKING:
     from mapper.io.contents.fields import TopicFields
@@ -58,18 +56,16 @@ class FieldsAnswer:
 
 @router.get("/{session_id}/contents/fields", responses=READING)
 @guests_may(GuestRight.LINKED_SESSION)
-async def fields(
-    request: Request, response: Response, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str
-) -> FieldsAnswer | ContentsReading:
+async def fields(response: Response, asked: Asked) -> FieldsAnswer | ContentsReading:
     """Return every number and every frame in the first message of each topic, and the series computed from the log.
 
     202 with ``progress`` while they are being read.
     """
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     topics = [(topic.name, topic.type) for topic in held.contents.topics]
-    owner = owner_of(sessions, library, session_id)
+    library, owner = asked.library, asked.owner
     answer: Sequence[TopicFields] | float = (
-        await library.fields(owner, held.recording.log_id, visitor, topics, address=client_address(request))
+        await library.fields(owner, held.recording.log_id, asked.visitor, topics, address=asked.address)
         if any(kind != CARMEN_LINE for _, kind in topics)
         else []
     )
@@ -80,7 +76,7 @@ async def fields(
     named = {series.topic: series for series in answer}
     computed = [
         TopicFieldsAnswer(topic, "computed", list(names), "", [], computed=True)
-        for topic, names in (await computed_fields(library, sessions.get(session_id), owner)).items()
+        for topic, names in (await computed_fields(library, asked.sessions.get(asked.session_id), owner)).items()
     ]
     return FieldsAnswer(
         computed
@@ -105,12 +101,7 @@ def _ready_name(column: Column) -> str:
 @router.get("/{session_id}/contents/field", response_model=SeriesAnswer, responses=READING)
 @guests_may(GuestRight.LINKED_SESSION)
 async def field(
-    request: Request,
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-    work: RequestWork,
-    session_id: str,
+    asked: Asked,
     topic: Annotated[str, Query(max_length=400)],
     field: Annotated[str, Query(max_length=400, description="Its path in the message, as /contents/fields has it.")],
     made: Annotated[Made, Query(description="The value, its change per second, or its moving average.")] = "value",
@@ -126,30 +117,27 @@ async def field(
     """
 
     async def answered(made_of: Series, origin_ns: int) -> Response:
-        return await in_turn(
-            request,
-            work,
-            visitor,
+        return await asked.in_turn(
             lambda: json_answer(
                 SeriesAnswer.of(_made(made_of, made, window), origin_ns, start, end, buckets, evenly=evenly)
             ),
         )
 
     if topic in COMPUTED:
-        session = sessions.get(session_id)
-        owner = owner_of(sessions, library, session_id)
-        computed = await computed_series(library, session, owner, topic)
+        session = asked.sessions.get(asked.session_id)
+        computed = await computed_series(asked.library, session, asked.owner, topic)
         if isinstance(computed, float):
             return json_answer(ContentsReading(round(computed, 3)), 202)
         return await answered(_column(computed, field), plot_origin_ns(recording_of(session).log))
-    held = await look_into(request, sessions, library, visitor, session_id)
+    held = await asked.held()
     series = _ready(held.contents, topic, field)
     if series is None:
         kind = next((topic_.type for topic_ in held.contents.topics if topic_.name == topic), None)
         if kind is None:
             raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
-        owner, address = owner_of(sessions, library, session_id), client_address(request)
-        whole = await library.field_series(owner, held.recording.log_id, visitor, topic, kind, address=address)
+        whole = await asked.library.field_series(
+            asked.owner, held.recording.log_id, asked.visitor, topic, kind, address=asked.address
+        )
         if isinstance(whole, float):
             return json_answer(ContentsReading(round(whole, 3)), 202)
         series = _column(whole, field)

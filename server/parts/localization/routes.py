@@ -18,7 +18,7 @@ from server.http.file_answer import FILE_BODY, file_answer
 from server.http.following import follow_localization, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, RequestWork, Sessions, Visitor
-from server.http.session_access import session_of_log, writable_session
+from server.http.session_access import log_owner, session_of_log, writable_session
 from server.library.library import Library
 from server.library.packs.reference_map import ChosenMap
 from server.library.processing.localization import (
@@ -219,7 +219,7 @@ async def filter_history(library: Logs, sessions: Sessions, session_id: str) -> 
     """
     of_log = session_of_log(sessions, session_id)
     session, log_id = of_log.session, of_log.log_id
-    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    owner = log_owner(session, library)
     localization = session.model.find(Localized)
 
     async def source(trajectory: str) -> bytes | None:

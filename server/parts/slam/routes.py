@@ -15,7 +15,7 @@ from server.http.computed_series import graph_source
 from server.http.following import follow_slam, tell_at_end, update_sessions
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, Sessions, Visitor
-from server.http.session_access import part_of_log, writable_session
+from server.http.session_access import log_owner, part_of_log, writable_session
 from server.library.library import Library
 from server.library.logs.records import TrajectoryAnswer
 from server.library.processing.log_jobs import ParameterTable
@@ -182,7 +182,7 @@ def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tupl
     session = sessions.get(session_id)
     problem = "Only the poses of a log have a pose graph."
     graph, recording = part_of_log(session, Graphed, problem), part_of_log(session, Recording, problem)
-    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    owner = log_owner(session, library)
     return session, graph, graph_source(library, owner, recording.log_id)
 
 

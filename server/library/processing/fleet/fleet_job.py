@@ -106,7 +106,7 @@ class LogOptions:
 class FleetJob(BoundedJob[MapFacts]):
     """Read ``source``, examine it, map it, and draw its map into ``picture``.
 
-    The map is stored as ``map`` (.yaml, .pgm) if that is given.
+    The map is kept as ``map`` (.yaml, .pgm) where that is given. A job in the ``background`` has a lower priority.
     """
 
     DOING = "Reading, examining and mapping this log"
@@ -116,6 +116,7 @@ class FleetJob(BoundedJob[MapFacts]):
     map: str | None
     picture: str
     limits: JobLimits
+    background: bool = False
     options: LogOptions = field(default_factory=LogOptions)
 
     def compute(self) -> MapFacts:
@@ -123,6 +124,8 @@ class FleetJob(BoundedJob[MapFacts]):
         from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
         from server.library.packs.picture import write_picture  # noqa: PLC0415
 
+        if self.background:
+            process.lower_priority()
         began = time.process_time()
         log = self.options.read(Path(self.source), lambda done: process.note_progress(READ * done))
         process.note_progress(READ)
@@ -149,14 +152,6 @@ class FleetJob(BoundedJob[MapFacts]):
             picture=picture,
             cpu_s=round(time.process_time() - began, 3),
         )
-
-
-class BackgroundFleetJob(FleetJob):
-    """The same with a lower priority, as a service does it beside its sessions."""
-
-    __slots__ = ()
-
-    BACKGROUND = True
 
 
 async def fleet_facts(

@@ -27,7 +27,6 @@ from server.library.processing.fleet.cluster import Cluster, ClusterState
 from server.library.processing.fleet.cluster_worker import ClusterWorker
 from server.library.processing.fleet.fleet_job import (
     LIMITS,
-    BackgroundFleetJob,
     ClusterLostError,
     FleetJob,
     LogOptions,
@@ -233,7 +232,7 @@ class FleetJobs:
             async with self._catalogue.source(log) as source:
                 picture = str(self._catalogue.picture(log.id))
                 options = record.request.options
-                job = BackgroundFleetJob(str(source), None, picture, self._limits, options=options)
+                job = FleetJob(str(source), None, picture, self._limits, background=True, options=options)
                 facts, runs = await self._facts(worker, job, look)
         finally:
             self._idle.append(worker)
