@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import math
+import os
 import threading
 from collections import Counter
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -155,3 +157,24 @@ async def test_the_facts_and_the_picture_are_those_of_the_log(
     assert facts.cols * facts.resolution > 29.0, "the robot drives 29 m"
     assert facts.drift_m is None, "too little was seen twice"
     assert (await library.map_picture("ann", log.id)).startswith(b"\x89PNG")
+
+
+async def test_the_list_and_the_state_look_for_pictures_off_the_event_loop(
+    library: Library, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (log,) = await uploads(library, 3)
+    looked: list[tuple[int, str]] = []
+    stat = os.stat
+
+    def noted(path: Any, **options: Any) -> os.stat_result:
+        looked.append((threading.get_ident(), str(path)))
+        return stat(path, **options)
+
+    monkeypatch.setattr(os, "stat", noted)
+    listed = await library.list(log.owner)
+    pictured = await asyncio.to_thread(library.pictured)
+    state = library.fleet.state([log], 0, pictured)
+    assert [record.has_picture for record in listed if record.id == log.id] == [log.id in pictured]
+    assert state.logs[0].has_picture == (log.id in pictured)
+    here = threading.get_ident()
+    assert [path for thread, path in looked if thread == here and path.endswith(".png")] == []

@@ -10,6 +10,7 @@ import { SelectField } from "../../../ui/Select";
 import { addressOf, answerAt, ask } from "../../../wire/ask";
 import type { FrameEdgeAnswer, FramesAnswer, SeriesAnswer, TopicFieldsAnswer } from "../../../wire/http";
 import { useFieldNames } from "../fields/useFields";
+import { poseInFrame } from "./frameLookup";
 import { Plot } from "./LazyPlot";
 import { ageLabel, rateLabel } from "./labels";
 import { useAtMoment } from "./useAtMoment";
@@ -178,6 +179,7 @@ function Tree({ store, session }: FrameTreeProps) {
         valid at all times. Orange: older than twice its usual interval, or not received yet.
       </p>
       <Unjoined session={session} tree={frames} />
+      <BetweenFrames frames={frames} />
       <Transforms edges={frames.edges} />
       <Age store={store} session={session} edges={frames.edges} />
     </div>
@@ -214,6 +216,41 @@ const DEGREES = 180 / Math.PI;
 const three = (values: readonly number[] | null, digits: number, unit: string): string =>
   values === null ? "not yet" : `${values.map((value) => written(value, digits)).join(", ")} ${unit}`;
 
+/** The pose of one frame in another at the selected time, initially of the sensor in the fixed frame. */
+function BetweenFrames({ frames }: { readonly frames: FramesAnswer }) {
+  const chosen = useSignal<{ readonly child?: string; readonly parent?: string }>({});
+  const known = (name: string | undefined, other: string): string =>
+    name !== undefined && frames.frames.includes(name) ? name : other;
+  const parent = known(chosen.value.parent, frames.fixed);
+  const child = known(chosen.value.child, known(frames.sensor, frames.frames[0] ?? parent));
+  const pose = poseInFrame(frames.edges, child, parent);
+  return (
+    <section class="frames-between" aria-label="Transform between two frames">
+      <SelectField
+        title="Frame"
+        value={child}
+        options={frames.frames}
+        onChange={(name) => {
+          chosen.value = { ...chosen.peek(), child: name };
+        }}
+      />
+      <SelectField
+        title="In the frame"
+        value={parent}
+        options={frames.frames}
+        onChange={(name) => {
+          chosen.value = { ...chosen.peek(), parent: name };
+        }}
+      />
+      <p class="number" role="status">
+        {"why" in pose ? pose.why : `${three(pose.offset, 3, "m")}; ${three(degreesOf(pose.angles), 1, "°")}`}
+      </p>
+    </section>
+  );
+}
+
+const degreesOf = (angles: readonly number[]): readonly number[] => angles.map((angle) => DEGREES * angle);
+
 /** The position of each frame in its parent at the selected time, and its publisher. */
 function Transforms({ edges }: { readonly edges: readonly FrameEdgeAnswer[] }) {
   return (
@@ -238,11 +275,7 @@ function Transforms({ edges }: { readonly edges: readonly FrameEdgeAnswer[] }) {
               {edge.angles && (
                 <>
                   <br />
-                  {three(
-                    edge.angles.map((angle) => DEGREES * angle),
-                    1,
-                    "°",
-                  )}
+                  {three(degreesOf(edge.angles), 1, "°")}
                 </>
               )}
             </td>
