@@ -13,6 +13,7 @@ function italics(text: string): string[] {
 test.each([
   ["Each hit alone gives p = 0.75. After how many is p exactly 1?", ["p", "p"]],
   ["Why can’t we get the inverse model from p(z | x, m) alone?", ["p", "z", "x", "m"]],
+  ["reading z (m), p(m)", ["z", "p", "m"]],
   ["the square root of e, of p/n", ["e", "p", "n"]],
 ])("the variables of “%s” are in italics", (text, letters) => {
   expect(italics(text)).toEqual(letters);

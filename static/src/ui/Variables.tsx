@@ -7,9 +7,9 @@ interface VariablesProps {
 
 /**
  * A Latin letter by itself, as `p` and the letters of `p(z | x, m)`. Not one are the words "a", "A" and "I", letters
- * behind an apostrophe, and units behind a number, as in `0.5 m`.
+ * behind an apostrophe, and units behind a number or alone in brackets, as in `0.5 m` and `z (m)`.
  */
-const VARIABLE = /(?<![\p{L}\d’']|\d[ \u00a0])([b-zB-HJ-Z])(?![\p{L}\d’'])/u;
+const VARIABLE = /(?<![\p{L}\d’']|\d[ \u00a0]|\s\((?=.\)))([b-zB-HJ-Z])(?![\p{L}\d’'])/u;
 
 /** A sentence with its variables in italics, as in the text of the lecture. */
 export function Variables({ text, inSvg = false }: VariablesProps) {

@@ -81,7 +81,7 @@ export function Counting({ beams, scans }: CountingProps) {
               <p class="number" aria-live="polite">
                 {seen ? (
                   <>
-                    Under the cross: ℓ = <b>{written(l, 2)}</b>, p = {written(probability(l), 2)}
+                    Under the cross: ℓ&nbsp;= <b>{written(l, 2)}</b>, <i>p</i>&nbsp;=&nbsp;{written(probability(l), 2)}
                     {(l <= INITIAL_CONFIG.log_odds_min || l >= INITIAL_CONFIG.log_odds_max) && ", at the clamp"}
                   </>
                 ) : (

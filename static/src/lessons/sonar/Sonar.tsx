@@ -7,6 +7,7 @@ import { bound } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { Variables } from "../../ui/Variables";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
@@ -113,7 +114,10 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
               )}
             </Scene>
             <p class="number" aria-live="polite">
-              Under the cross: <b>{text}</b>
+              Under the cross:{" "}
+              <b>
+                <Variables text={text} />
+              </b>
             </p>
           </div>
         ))}

@@ -295,8 +295,8 @@ export function CellSection(head: SectionHead) {
           <LastUpdate />
           <p>
             Why is adding enough? This is the <b>binary Bayes filter for a static state</b>: the cell does not change,
-            so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor: two
-            readings with <i>p</i> = 0.7 each multiply them by 7/3 · 7/3. The logarithm turns the product into a sum.
+            so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor, one of{" "}
+            <i>p</i> = 0.7 by 7/3; the logarithm turns products into sums.
           </p>
           <Derivation />
           <p>

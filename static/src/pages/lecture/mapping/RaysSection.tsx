@@ -35,11 +35,10 @@ export function RaysSection(head: SectionHead) {
     >
       <p>
         A reading gives evidence for the cells <em>along its beam</em>. Bresenham’s algorithm finds them with integer
-        additions only. The line goes dx cells along its longer axis and dy along the other. Each step goes one cell
-        along the longer axis. An error ∇, initially 2dy − dx, tells whether the true line passes below or above the
-        middle between the two candidates for the next cell: if ∇ is negative, the next step is{" "}
-        <b class="noun-miss">straight</b> and adds 2dy to it, otherwise <b class="noun-hit">diagonal</b>, and adds 2dy −
-        2dx.
+        additions only. The line goes dx cells along its longer axis, one with each step, and dy along the other. An
+        error ∇, initially 2dy − dx, tells whether the true line passes below or above the middle between the two
+        candidates for the next cell: if ∇ is negative, the next step is <b class="noun-miss">straight</b> and adds 2dy
+        to it, otherwise <b class="noun-hit">diagonal</b>, and adds 2dy − 2dx.
       </p>
     </Section>
   );

@@ -117,11 +117,10 @@ export function TerrainSection(head: SectionHead) {
             Patches add up: one of twice the size is the sum of four, which makes a quadtree.
           </p>
           <p>
-            Two slips are common: the root in the slope is forgotten, and the residual hᵀh − …, a <b>sum</b> of squares,
-            is not divided by <i>n</i>, so that the roughness grows with every point. A patch is safe while slope and
-            roughness, each divided by its limit, add up to at most 1; full systems weight them and add the step to the
-            next patch. A stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree
-            with.
+            Two slips are common: the root in the slope is forgotten, and the residual hᵀh − … is not divided by{" "}
+            <i>n</i>, so that it grows with every point. A patch is safe while slope and roughness, each divided by its
+            limit, add up to at most 1; full systems weight them and add the step to the next patch. A stone tilts the
+            least-squares plane; <b>RANSAC</b> finds the plane that most points agree with.
           </p>
         </>
       }
@@ -130,8 +129,8 @@ export function TerrainSection(head: SectionHead) {
         Can a robot drive safely on this ground? The points of each <b>patch</b> of a grid get a plane <i>h</i> ={" "}
         <i>a</i> + <i>b x</i> + <i>c y</i> by least squares, (AᵀA)⁻¹Aᵀh, where A has a row [1 <i>x</i> <i>y</i>] and h
         the height of each point. From it come the slope cos⁻¹(1 / √(1 + <i>b</i>² + <i>c</i>²)), the mean height, and
-        the roughness √(residual / <i>n</i>) of the <i>n</i> points around it; the residual is the sum of their squared
-        distances in height.{" "}
+        the roughness √(residual / <i>n</i>); the residual is the <b>sum</b> of the squared errors in height of the{" "}
+        <i>n</i> points.{" "}
         <span class="no-print">
           Drag the points, and see which entries of the matrix P change and when the patch becomes unsafe.
         </span>

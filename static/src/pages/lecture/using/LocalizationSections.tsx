@@ -48,9 +48,8 @@ export function ParticlesSection(head: SectionHead) {
         distribution over poses. <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where
         the belief is higher. A reading gives each particle the weight <i>p</i>(<i>z</i> | <i>x</i>, <i>m</i>) (
         <SectionLink to="sensor-models" />
-        ); new ones are drawn by these weights; then each moves by the odometry, with its own error (table 8.2 has the
-        same cycle, beginning with the motion). The corridor has three equal doors: after the second door only one group
-        is left.
+        ); new ones are drawn by these weights; then each moves by the odometry, with its own error (table 8.2 begins
+        with the motion). The corridor has three equal doors: after the second door only one group is left.
       </p>
     </Section>
   );

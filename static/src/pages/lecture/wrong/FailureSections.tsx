@@ -22,8 +22,8 @@ export function PolishedSection(head: SectionHead) {
       after={
         <p>
           Glass, polished metal and stone do the same. Where a beam does come back by way of another surface, it reports
-          too long a distance, and the cells of the wall count as passed: their values <b>oscillate</b>, up with each
-          hit from in front, down with each such miss. More readings do not help; another kind of sensor does.
+          too long a distance, and the cells of the wall count as passed; with hits from in front their values{" "}
+          <b>oscillate</b>. More readings do not help; another kind of sensor does.
         </p>
       }
     >
