@@ -19,13 +19,16 @@ from mapper.diagnosis.events.motions import Motions, aligned_motions
 from mapper.diagnosis.finding import MOST_SCANS
 from mapper.io.logs.summary import recorded_seconds
 from mapper.sensors.joint_log import by_sensor, sensors_of
+from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.sparse_poses import sparse_turns
+from mapper.sensors.timed_poses import number_before
 
 LEAST_SCANS = 30  #: fewer do not tell what is usual
 LIFTED_SCANS, LIFTED_S = 3, 0.4  #: scans and seconds without a fit, from which the robot was lifted and not pushed
 LIFTED_M = 1.0  #: a robot that is displaced farther while its wheels stand was carried
 STOOD_M = 0.1  #: way of wheels that stand
+PAUSE, PAUSE_S = 5.0, 0.5  #: times the usual time between two poses, and seconds, from which they pause
 OPPOSITE = 0.8  #: cosine between the wheels' motion and what is taken off it by a slip
 BACK_M, BACK_RAD = 0.03, math.radians(2.0)  #: by which a robot whose wheels slip may seem to go the other way
 TURNED_ONLY = 0.05  #: metres: a displacement that is a turn only
@@ -102,10 +105,19 @@ def find_events(
 
 
 def _interpolated_scans(log: ScanLog, wheels: str) -> NDArray[np.bool_]:
-    """Return of which scans (n_scans,) the wheels did not measure the turn, as their poses are far apart."""
+    """Return of which scans (n_scans,) the wheels did not measure the motion, as their poses are far apart.
+
+    They are so in turns, or have a pause, as of a program that states poses only while the robot moves.
+    """
     found, is_so = sparse_turns(log, wheels), np.zeros(log.n_scans, dtype=np.bool_)
     if found is not None:
         is_so[found.scans] = True
+    timed = log.trajectory(wheels).timed
+    if timed is not None and len(timed) > 2:
+        motion = Motion.of(log, wheels)
+        steps = np.diff(motion.times)
+        low = np.clip(number_before(motion.times, seconds(log)), 0, len(steps) - 1)
+        is_so |= steps[low] > max(PAUSE * float(np.median(steps)), PAUSE_S)
     return is_so
 
 
