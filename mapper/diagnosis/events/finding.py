@@ -22,8 +22,10 @@ from mapper.diagnosis.events.motions import Motions, aligned_motions
 from mapper.diagnosis.finding import MOST_SCANS
 from mapper.io.logs.summary import recorded_seconds
 from mapper.sensors.joint_log import by_sensor, sensors_of
+from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.sparse_poses import sparse_turns
+from mapper.sensors.timed_poses import number_before
 
 LEAST_BACK = 2.0  #: usual intervals: stamps that jump back by less are out of order, as with two writing threads
 LEAST_AHEAD_S = 0.5  #: seconds, and five usual intervals
@@ -118,6 +120,7 @@ LEAST_SCANS = 30  #: fewer scans do not determine what is usual
 LIFTED_SCANS, LIFTED_S = 3, 0.4  #: scans and seconds without alignment above which the robot was lifted, not pushed
 LIFTED_M = 1.0  #: a robot displaced farther while its wheels are at rest was carried
 STOOD_M = 0.1  #: path length of wheels at rest
+PAUSE, PAUSE_S = 5.0, 0.5  #: poses pause: multiple of the usual pose interval, and minimum seconds
 OPPOSITE = 0.8  #: cosine between the wheels' motion and the motion removed by a slip
 BACK_M, BACK_RAD = 0.03, math.radians(2.0)  #: apparent reverse motion allowed for a robot whose wheels slip
 TURNED_ONLY = 0.05  #: metres: a smaller displacement is a rotation only
@@ -193,12 +196,19 @@ def find_events(
 
 
 def _interpolated_scans(log: ScanLog, wheels: str) -> NDArray[np.bool_]:
-    """Return the scans (n_scans,) at which the turn was not measured by the wheels, because their poses are far
-    apart.
+    """Return the scans (n_scans,) whose motion the wheels did not measure, because their poses are far apart.
+
+    This is the case in turns, and in pauses, as of a program that publishes poses only while the robot moves.
     """
     turns, is_so = sparse_turns(log, wheels), np.zeros(log.n_scans, dtype=np.bool_)
     if turns is not None:
         is_so[turns.scans] = True
+    timed = log.trajectory(wheels).timed
+    if timed is not None and len(timed) > 2:
+        motion = Motion.of(log, wheels)
+        steps = np.diff(motion.times)
+        low = np.clip(number_before(motion.times, seconds(log)), 0, len(steps) - 1)
+        is_so |= steps[low] > max(PAUSE * float(np.median(steps)), PAUSE_S)
     return is_so
 
 

@@ -44,6 +44,19 @@ def test_sparse_poses_in_turns_are_the_first_finding_and_no_event(clean: ScanLog
     assert cause is None or cause.check == "timing.sparse"
 
 
+def test_poses_that_pause_while_the_robot_stands_are_no_event(clean: ScanLog) -> None:
+    """lidar_slam_ros2#64: odometry that is stated only while it changes; it was a slip, and then a push."""
+    standing = 60
+    order = np.concatenate([np.arange(100), np.full(standing, 100), np.arange(100, N - standing)])
+    log = replace(clean.take(np.arange(N)), ranges=clean.ranges[order])
+    poses, stamps = clean.trajectory().poses[order], log.stamps_ns
+    moved = np.append(True, (np.diff(poses, axis=0) != 0.0).any(axis=1))
+    timed = TimedPoses(stamps[moved], poses[moved])
+    at_scans = poses_at(timed.stamps_ns, timed.poses, stamps)
+    log = replace(log, trajectories={"tf/odom": Trajectory(at_scans, frame_id="odom", timed=timed)})
+    assert [event for event in diagnose(log).events if event.kind in {"pushed", "slipped"}] == []
+
+
 def test_dense_poses_are_not_sparse(clean: ScanLog) -> None:
     log = stated_each(clean, 0.0)
     assert sparse_turns(log) is None

@@ -36,10 +36,10 @@ class PoseTopic:
 class Taken:
     """Messages so far; ``children`` are frames whose poses are stated by odometry messages.
 
-    Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut. ``low`` is, by
-    topic, the share of a cloud's beams that end at low points, probably on the floor; ``heights`` are the least and the
-    greatest height of the points, metres in the base frame, of a topic none of whose clouds made a beam.
-    ``run_offsets`` are what is added to stamps so that those of each run follow the run before, see
+    ``unplaced`` are frames whose pose on the robot was unknown when their clouds were processed. ``low`` is, by topic,
+    the fraction of a cloud's beams that end at low points, probably on the floor; ``heights`` are the minimum and
+    maximum height of the points, metres in the base frame, of a topic none of whose clouds gave a beam.
+    ``run_offsets`` are added to stamps so that each run follows the one before, see
     :mod:`mapper.io.logs.recording.runs`.
     """
 
