@@ -70,14 +70,20 @@ _MAP_BYTES = f"""() => {{
 
 
 def until(what: str, condition: Callable[[], Any], seconds: float = SECONDS) -> Any:
-    """Return the first true value of ``condition``; fail the test, saying ``what`` was awaited, when none comes."""
+    """Return the first true value of ``condition``; fail the test, saying ``what`` was awaited, when none comes.
+
+    A condition that takes long, such as a picture of a 3D view, takes a third of the time at most: the page and the
+    service need the processor for what is awaited.
+    """
     deadline = time.monotonic() + seconds
     while True:
+        began = time.monotonic()
         value = condition()
         if value:
             return value
-        assert time.monotonic() < deadline, f"waited {seconds:g} s in vain: {what}"
-        time.sleep(0.05)
+        now = time.monotonic()
+        assert now < deadline, f"waited {seconds:g} s in vain: {what}"
+        time.sleep(max(POLLING_MS / 1000.0, 2.0 * (now - began)))
 
 
 def await_true(page: Page, condition: str, arg: Any = None) -> None:

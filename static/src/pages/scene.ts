@@ -10,7 +10,7 @@
  * first camera. The page around hears of it by the event `scene` of the frame.
  *
  * A frame draws as many points of clouds as the browser draws quickly enough; while the camera rests, further frames add
- * the others to the picture.
+ * the others to the picture. `unsmoothed` in the address leaves edges as they are.
  *
  * In a browser without WebGL 2 the client would log errors and leave the view empty: a sentence is shown instead.
  */
@@ -21,6 +21,7 @@ import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
 import { FirstCamera, keptCamera, keptQuery, MovedCamera } from "./sceneCamera";
 import { addGestures, zoomAtCursor } from "./sceneGestures";
+import { intervalUntilRest, SceneRest } from "./sceneRest";
 import { UntilTold } from "./sceneTold";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
@@ -44,6 +45,14 @@ function goOn(): void {
   const messages = [{ type: "RunJavascriptMessage", source: "" }];
   if (client && budget.lacks)
     client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+}
+
+const rest = new SceneRest();
+const isAtRest = (): boolean => rest.isAtRest(performance.now());
+window.setInterval = intervalUntilRest(window.setInterval.bind(window), isAtRest) as typeof window.setInterval;
+const changed = (): void => rest.changed(performance.now());
+for (const type of ["pointerdown", "pointermove", "wheel", "keydown", "resize", "focus"]) {
+  addEventListener(type, changed, { capture: true, passive: true });
 }
 
 /** Of the canvas, until it contains points drawn here. */
@@ -118,6 +127,7 @@ function expand({ data, currentTarget }: WorkerMessage): void {
     show(false);
   }
   if (data?.messages?.some(({ type }) => !type?.startsWith("Gui"))) budget.changed();
+  changed();
   camera.take(data?.messages ?? []);
   firstCamera.take(data?.messages ?? []);
   // The client processes messages in the frame after their arrival.
@@ -192,6 +202,15 @@ function showSentence(sentence: string): void {
   body.style.cssText = "margin: 1rem; font: 1rem/1.5 system-ui, sans-serif; color: CanvasText; background: Canvas";
 }
 
+/** Have contexts that are made from now on leave edges as they are. */
+function withoutSmoothing(): void {
+  const { getContext } = HTMLCanvasElement.prototype;
+  HTMLCanvasElement.prototype.getContext = function get(this: HTMLCanvasElement, id: string, attributes?: object) {
+    return getContext.call(this, id, id === "webgl2" ? { ...attributes, antialias: false } : attributes);
+  } as typeof getContext;
+}
+
+if (new URLSearchParams(location.search).has("unsmoothed")) withoutSmoothing();
 const context = document.createElement("canvas").getContext("webgl2");
 context?.getExtension("WEBGL_lose_context")?.loseContext();
 if (!context) showSentence(WITHOUT_WEBGL);

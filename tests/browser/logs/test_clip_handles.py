@@ -16,6 +16,7 @@ from mapper.io.clouds.ply import points_ply
 from tests.browser.fingers import Fingers, Place
 from tests.browser.logs.test_volume import VOLUME, opened
 from tests.browser.looking import await_true, open_group, until
+from tests.marks import also_long_rows
 
 pytestmark = pytest.mark.moving
 CUT = f"() => ({VOLUME})().look.values.cut_high"
@@ -59,8 +60,12 @@ def by_finger(page: Page, start: Place, down: float, held: Callable[[], object])
     Fingers(page).drag((start, (x, y + down)), before_lifting=held)
 
 
+# The mouse drags the handle of the lab in `make test`.
 @pytest.mark.parametrize(
-    ("context", "drag"), [("desktop", by_mouse), ("phone", by_finger)], indirect=["context"], ids=["mouse", "finger"]
+    ("context", "drag"),
+    [("phone", by_finger), *also_long_rows(("desktop", by_mouse))],
+    indirect=["context"],
+    ids=["finger", "mouse"],
 )
 def test_the_ceiling_is_clipped_by_its_handle(
     drag: Callable[[Page, Place, float, Callable[[], object]], None], page: Page, server: str, tmp_path: Path

@@ -91,12 +91,23 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
 
     plots_under_the_timeline(page)
 
+    held: list[Route] = []
+    page.route("**/contents/fields", lambda route: held.append(route))  # noqa: PLW0108 (Playwright counts its arguments)
     frames = open_group(page, "Frames")
     seek(page, 10)
     expect(frames.get_by_role("img")).to_have_attribute(
         "aria-label", "Fixed frame odom. laser in base_link, static; base_link in odom, 10.0 Hz, 0 ms old."
     )
     expect(frames).to_contain_text("Transforms lead from the sensor’s frame, laser, to odom.")
+    # No control moves when the names of the fields come, for which the whole file is read.
+    expect(frames).to_contain_text("Looking up which frames messages name")
+    choice = frames.get_by_label("Age over time of")
+    before = choice.bounding_box()
+    for route in held:
+        route.continue_()
+    page.unroute("**/contents/fields")
+    expect(frames).not_to_contain_text("Looking up which frames messages name")
+    assert choice.bounding_box() == before
 
     # A trajectory that is brought is compared with the log's own.
     lines = [f"{1_700_000_000 + i / 10:.1f} {0.1 * i} 0.2 0 0 0 0 1" for i in range(10 * SECONDS)]

@@ -28,6 +28,7 @@ from tests.browser.pages.test_axe import LOOKS, violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
+from tests.marks import also_long_rows
 
 LINES = [(2, 20, "Ready"), (12, 30, "Wheel slips"), (15, 20, "Planning"), (21, 40, "Bumper pressed")]  # tenths of s
 
@@ -256,7 +257,7 @@ VIEWS = {
 }
 
 
-@pytest.mark.parametrize(("context", "scheme"), LOOKS[:2], indirect=["context"])
+@pytest.mark.parametrize(("context", "scheme"), [LOOKS[0], *also_long_rows(LOOKS[1])], indirect=["context"])
 def test_axe_finds_nothing_in_views_for_their_owner_and_a_guest_and_in_the_report(
     page: Page, visitor: BrowserContext, server: str, tmp_path: Path, scheme: Literal["light", "dark"]
 ) -> None:

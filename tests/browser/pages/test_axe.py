@@ -92,6 +92,8 @@ def told_sliders(page: Page) -> int:
 def nothing_wrong(page: Page, within: str = "html") -> None:
     """Look at the page as it stands, in its fonts."""
     page.evaluate("document.fonts.ready.then(() => true)")
+    # What is computed says so over the pictures, and over the divider of a comparison.
+    expect(page.locator(".working-place.inside .working")).to_have_count(0)
     page.evaluate(_FADED)
     assert violations(page, within) == []
     assert hidden_texts(page, within) == []

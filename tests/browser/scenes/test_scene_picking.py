@@ -19,6 +19,7 @@ from playwright.sync_api import Page, WebSocket, expect
 
 from tests.browser.drifting import drifting_ring
 from tests.browser.looking import SECONDS, await_true, frame, map_bytes, settled_digest, until
+from tests.marks import also_long_rows
 
 Press = Callable[[float, float], object]
 Places = NDArray[np.float64]  # (n, 3), metres in the map
@@ -192,7 +193,9 @@ RULER = np.array([110, 40, 200])
 
 
 @pytest.mark.parametrize(
-    ("context", "press"), [("desktop", "mouse.click"), ("tablet", "touchscreen.tap")], indirect=["context"]
+    ("context", "press"),
+    [("tablet", "touchscreen.tap"), *also_long_rows(("desktop", "mouse.click"))],
+    indirect=["context"],
 )
 def test_a_distance_is_measured_in_3d(page: Page, server: str, press: str) -> None:
     """Measure from one column to another in the 3D view, against where they are on the map."""

@@ -18,9 +18,9 @@ const SOFTWARE_RENDERERS = /swiftshader|llvmpipe|softpipe|software|basic render/
 
 export const isSoftwareRenderer = (renderer: string): boolean => SOFTWARE_RENDERERS.test(renderer);
 
-let hasGraphicsCard: boolean | undefined;
+let found: boolean | undefined;
 
-/** Determined once, with a separate canvas: a canvas with a WebGL context can have no other context. */
+/** With a separate canvas: a canvas with a WebGL context can have no other context. */
 function findGraphicsCard(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2", ATTRIBUTES);
   if (!gl) return false;
@@ -30,11 +30,15 @@ function findGraphicsCard(): boolean {
   return !isSoftwareRenderer(renderer);
 }
 
-/** A WebGL 2 context for an opaque picture; null where no graphics card would draw it. */
-export function webglContext(canvas: HTMLCanvasElement): WebGL2RenderingContext | null {
-  hasGraphicsCard ??= findGraphicsCard();
-  return hasGraphicsCard ? canvas.getContext("webgl2", ATTRIBUTES) : null;
+/** Whether a graphics card would draw WebGL 2. Determined once. */
+export function hasGraphicsCard(): boolean {
+  found ??= findGraphicsCard();
+  return found;
 }
+
+/** A WebGL 2 context for an opaque picture; null where no graphics card would draw it. */
+export const webglContext = (canvas: HTMLCanvasElement): WebGL2RenderingContext | null =>
+  hasGraphicsCard() ? canvas.getContext("webgl2", ATTRIBUTES) : null;
 
 /** A 2D context for an opaque picture that the processor paints; throws if the browser has none. */
 export function canvasContext(canvas: HTMLCanvasElement): CanvasRenderingContext2D {

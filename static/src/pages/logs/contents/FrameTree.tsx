@@ -178,10 +178,11 @@ function Tree({ store, session }: FrameTreeProps) {
         Beside each frame: how often its transform comes and how old it is at this moment of the log. Dashed: static,
         valid at all times. Orange: older than twice its usual interval, or not received yet.
       </p>
-      <Unjoined session={session} tree={frames} />
       <BetweenFrames frames={frames} />
       <Transforms edges={frames.edges} />
       <Age store={store} session={session} edges={frames.edges} />
+      {/* Last: it appears late, and no control is to move for it. */}
+      <Unjoined session={session} tree={frames} />
     </div>
   );
 }
