@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -107,11 +109,12 @@ def _advice(over: bool, yaw: float) -> str:
 
 
 def _sharpest(
-    seen: Examined, names: tuple[str, ...], begin: float, yaw: float, tries: int = 1
+    consistency_of: Callable[..., float], names: tuple[str, ...], begin: float, yaw: float, tries: int = 1
 ) -> tuple[float, dict[str, float]]:
     """Return the maximum consistency reached by shrinking steps from a turned mount, and the mount.
 
-    ``begin`` is its consistency, and ``tries`` the maximum number of steps of one size.
+    ``consistency_of`` returns the consistency of a mount, ``begin`` is that of the first one, and ``tries`` the maximum
+    number of steps of one size.
     """
     best, at = begin, {"mount_x": 0.0, "mount_y": 0.0, "mount_yaw": yaw}
     steps = {"mount_x": 0.2, "mount_y": 0.2, "mount_yaw": math.radians(6.0)}
@@ -122,7 +125,7 @@ def _sharpest(
                 for sign in (1.0, -1.0):
                     tried = at | {name: at[name] + sign * steps[name]}
                     tried["mount_yaw"] = float(wrap_angle(tried["mount_yaw"]))
-                    value = consistency(seen, **tried)
+                    value = consistency_of(**tried)
                     if value > best:
                         best, at = value, tried
                         break
@@ -141,10 +144,14 @@ def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:
     has_turned = np.ptp(np.unwrap(seen.log.trajectory().poses[:, 2])) >= LEAST_TURN
     names = ("mount_yaw", "mount_x", "mount_y") if has_turned else ("mount_yaw",)
     now = seen.agreement
-    best, at = _sharpest(seen, names, now, 0.0)
+    consistency_of = cache(partial(consistency, seen))  # steps lead to the same mounts again
+    best, at = _sharpest(consistency_of, names, now, 0.0)
     if log.mount_assumed:
         turned = sorted(((consistency(seen, mount_yaw=yaw), yaw) for yaw in DIRECTIONS), reverse=True)
-        candidates = [(best, at), *(_sharpest(seen, names, *candidate, tries=FARTHER) for candidate in turned[:3])]
+        candidates = [
+            (best, at),
+            *(_sharpest(consistency_of, names, *candidate, tries=FARTHER) for candidate in turned[:3]),
+        ]
         best, at = max(candidates, key=lambda candidate: candidate[0])
     x, y, yaw = at["mount_x"], at["mount_y"], at["mount_yaw"]
     if best < FINER * now or best < now + FINER_BY or (math.hypot(x, y) < 0.03 and abs(yaw) < math.radians(0.4)):

@@ -6,6 +6,7 @@ Where the robot turns, beams placed at wrong times end off the walls seen by oth
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,18 @@ def fits(error: float, other: float, share: float = BETTER) -> bool:
     return error <= share * other and error <= other - BY_M
 
 
+class _Readings(NamedTuple):
+    """Readings of the scans of all stretches; for each, first the scans without motion, then those with it."""
+
+    scans: NDArray[np.int64]  #: (n,)
+    beams: NDArray[np.int64]  #: (b,)
+    angles: Float64Array  #: (b,), radians
+    mounts: Float64Array  #: (3,) or (n, 1, 3)
+    ranges: Float64Array  #: (n, b), metres, 0 where not measured
+    measured: NDArray[np.bool_]  #: (n, b)
+    splits: NDArray[np.int64]  #: index of the first measured reading of each group of scans except the first
+
+
 class Agreement:
     """Scans of a log with robot motion, compared with others, a moment apart, with hardly any.
 
@@ -54,6 +67,7 @@ class Agreement:
         self.tells = len(self._stretches) >= LEAST_STRETCHES
         #: Time of each stretch, seconds.
         self.times = np.array([float(self._first[np.concatenate(scans)].mean()) for scans in self._stretches])
+        self._seen: dict[int, _Readings] = {}  #: by the maximum number of beams per scan
 
     def apart(self, increment: float, delays: float | Float64Array = 0.0, most_beams: int = MOST_BEAMS) -> float:
         """Return the mean distance, metres, of endpoints in moving scans from the nearest endpoint in the others.
@@ -71,11 +85,12 @@ class Agreement:
         from scipy.spatial import cKDTree  # noqa: PLC0415 - SciPy, which few logs need
 
         sums, counts = np.zeros(len(self._stretches)), np.zeros(len(self._stretches))
-        each = np.broadcast_to(np.asarray(delays, dtype=np.float64), sums.shape)
-        for number, (scans, delay) in enumerate(zip(self._stretches, each, strict=True)):
-            others, ends = (self._ends(some, increment, float(delay), most_beams) for some in scans)
+        if not self._stretches:
+            return sums, counts
+        ends = self._ends(increment, np.broadcast_to(np.asarray(delays, dtype=np.float64), sums.shape), most_beams)
+        for number, (others, moving) in enumerate(zip(ends[::2], ends[1::2], strict=True)):
             if len(others):
-                nearest = cKDTree(others).query(ends, distance_upper_bound=FARTHEST_M)[0]
+                nearest = cKDTree(others).query(moving, distance_upper_bound=FARTHEST_M)[0]
                 sums[number], counts[number] = np.minimum(nearest, FARTHEST_M).sum(), len(nearest)
         return sums, counts
 
@@ -94,20 +109,45 @@ class Agreement:
             least, delay = min((least, delay), *tried((delay - step, delay + step)))
         return least, delay
 
-    def _ends(self, scans: NDArray[np.int64], increment: float, delay: float, most_beams: int) -> Float64Array:
-        """Return the endpoints (n, 2) of the beams of some scans."""
-        log = self._log
-        beams = np.arange(0, log.n_beams, 1 + log.n_beams // most_beams)
-        bases = self._motion.at((self._first[scans] + delay)[:, np.newaxis] + increment * beams)
-        mounts = log.mounts_at(scans)
-        sensors = compose(bases, mounts if mounts.ndim == 1 else mounts[:, np.newaxis])
-        ranges = log.ranges[np.ix_(scans, beams)].astype(np.float64)
-        with np.errstate(invalid="ignore"):
-            measured = (ranges > max(log.range_min, 0.0)) & (ranges < log.range_max)
-        headings = sensors[..., 2] + log.angles[beams]
-        ranges = np.where(measured, ranges, 0.0)
-        ends = sensors[..., :2] + ranges[..., np.newaxis] * np.stack([np.cos(headings), np.sin(headings)], axis=-1)
-        return np.asarray(ends[measured])
+    def _ends(self, increment: float, delays: Float64Array, most_beams: int) -> list[Float64Array]:
+        """Return the endpoints (n, 2) of beams: for each stretch those of the scans without motion, then with it.
+
+        ``delays`` (stretches,) are seconds. All stretches are computed at once, because they are many small arrays.
+        """
+        seen = self._readings(most_beams)
+        first = self._first[seen.scans] + np.repeat(delays, [len(still) + len(fast) for still, fast in self._stretches])
+        if increment == 0.0:
+            bases = self._motion.at(first)[:, np.newaxis]
+        else:
+            bases = self._motion.along(first[:, np.newaxis] + increment * seen.beams)
+        sensors = compose(bases, seen.mounts)
+        headings = sensors[..., 2] + seen.angles
+        directions = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
+        ends = sensors[..., :2] + seen.ranges[..., np.newaxis] * directions
+        return np.split(ends[seen.measured], seen.splits)
+
+    def _readings(self, most_beams: int) -> _Readings:
+        """Return the readings of the stretches, computed once."""
+        if most_beams not in self._seen:
+            log = self._log
+            groups = [scans for stretch in self._stretches for scans in stretch]
+            scans = np.concatenate(groups)
+            beams = np.arange(0, log.n_beams, 1 + log.n_beams // most_beams)
+            mounts = log.mounts_at(scans)
+            ranges = log.ranges[np.ix_(scans, beams)].astype(np.float64)
+            with np.errstate(invalid="ignore"):
+                measured = (ranges > max(log.range_min, 0.0)) & (ranges < log.range_max)
+            last_rows = np.cumsum([len(group) for group in groups]) - 1
+            self._seen[most_beams] = _Readings(
+                scans,
+                beams,
+                log.angles[beams],
+                mounts if mounts.ndim == 1 else mounts[:, np.newaxis],
+                np.where(measured, ranges, 0.0),
+                measured,
+                np.cumsum(measured.sum(axis=1))[last_rows[:-1]],
+            )
+        return self._seen[most_beams]
 
 
 def _stretches(

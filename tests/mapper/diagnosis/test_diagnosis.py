@@ -319,6 +319,9 @@ def test_a_mount_that_the_log_does_not_state(clean: ScanLog, mount: tuple[float,
     at = np.array([found.parameters[name] for name in ("mount_x", "mount_y", "mount_yaw")])
     assert np.hypot(*(at - mount)[:2]) < 0.06
     assert abs(np.sin((at - mount)[2])) < 0.03
+
+
+def test_a_mount_that_is_assumed_rightly_is_no_cause(clean: ScanLog) -> None:
     assert first_cause(replace(clean, mount_assumed=True), None, MappingConfig()) is None
 
 

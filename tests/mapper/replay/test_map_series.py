@@ -23,8 +23,9 @@ from mapper.simulation import sample_log
 
 @pytest.fixture(scope="module")
 def log() -> ScanLog:
-    """A run whose odometry drifts, with readings of all kinds."""
+    """A run whose odometry drifts, with readings of all kinds, of 90 beams, which the tests walk along in Python."""
     log = sample_log(60)
+    log = replace(log, ranges=log.ranges[:, ::4], angle_increment=4.0 * log.angle_increment)
     ranges = log.ranges.copy()
     ranges[5, ::7] = math.nan
     ranges[6, ::5] = math.inf
@@ -115,7 +116,7 @@ def test_each_scan_as_from_maps_that_are_made_anew(log: ScanLog, trajectory: str
 
 
 def test_poses_that_drift_contradict_their_map_more() -> None:
-    log = sample_log(600)
+    log = sample_log(300)
     true, drifting = (np.nanmean(map_series(log, MappingConfig(), name).values[:, 2]) for name in ("true", "odometry"))
     assert drifting > 1.5 * true
 

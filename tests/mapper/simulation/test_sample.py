@@ -69,7 +69,7 @@ def test_without_noise_or_bias_odometry_is_the_truth():
 
 def test_odometrys_noise_grows_with_the_way_however_it_is_cut():
     """100 m straight on: σ of the length is α₃ √100, of the heading α₂ √2 √100, and the bias turns it by 100 biases."""
-    for n in (101, 1001):
+    for n in (51, 501):
         path = np.column_stack([np.linspace(0.0, 100.0, n), np.zeros(n), np.zeros(n)])
         ends = []
         for seed in range(300):

@@ -143,8 +143,7 @@ def refused(code: str, file: Path, folder: Path) -> None:
 
 
 def test_what_is_no_backup_and_folders_with_records_are_refused(tmp_path: Path) -> None:
-    with serving(tmp_path / "data"):
-        pass
+    small_library(tmp_path / "data")
     file = tmp_path / "kept.tar"
     back_up(tmp_path / "data", file)
     before = contents(tmp_path / "data")

@@ -37,7 +37,8 @@ def test_the_poses_of_one_drift_and_contradict_their_map(tmp_path: Path) -> None
     gap = np.hypot(*(log.trajectory().poses - true.trajectory("odometry").poses)[:, :2].T)
     assert gap.max() < 1e-6
     assert np.hypot(*(log.trajectory().poses - true.trajectory("true").poses)[:, :2].T).max() > 0.3
-    found, right = (np.nanmean(map_series(one, MappingConfig()).values[:, 2]) for one in (log, true))
+    first = slice(0, 300)  # in which they drift enough
+    found, right = (np.nanmean(map_series(one.take(first), MappingConfig()).values[:, 2]) for one in (log, true))
     assert found > 1.5 * right
 
 

@@ -16,6 +16,7 @@ from mapper.core.errors import ReadError
 from mapper.io.logs import is_log, open_log
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.driven_robot import T0, run
+from tests.marks import also_long_rows
 
 PLUGINS = {"db3": StoragePlugin.SQLITE3, "db3.zstd": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 
@@ -47,8 +48,17 @@ def packed(folder: Path, form: int = tarfile.PAX_FORMAT, under: str = "bags/run"
     return target
 
 
-@pytest.mark.parametrize("suffix", PLUGINS)
-@pytest.mark.parametrize("by", ["folder", "tar", "tar.gz"])
+@pytest.mark.parametrize(
+    ("suffix", "by"),
+    [
+        ("db3", "folder"),
+        ("db3.zstd", "tar"),
+        ("mcap", "tar.gz"),
+        *also_long_rows(*(("db3", by) for by in ("tar", "tar.gz"))),
+        *also_long_rows(*(("db3.zstd", by) for by in ("folder", "tar.gz"))),
+        *also_long_rows(*(("mcap", by) for by in ("folder", "tar"))),
+    ],
+)
 def test_a_split_recording_is_one_log(tmp_path, suffix, by):
     folder, whole = split(tmp_path, suffix, 12)
     path = folder if by == "folder" else packed(folder)
