@@ -294,8 +294,8 @@ def test_the_grey_of_unknown_is_known_in_images_of_another_greatest_value(tmp_pa
     assert f"the image’s greatest value is {greatest}, not 255, and free_thresh is 0.196" in note
     remedy = note.split("; ")[1].split()[0]
     assert float(remedy) < 1.0 - 205 / greatest + 1e-3
-    values, notes = again(path, "free_thresh: 0.196", f"free_thresh: {remedy}")
-    assert (np.sum(np.array(values) == -1), notes) == (2, ())
+    rows, notes = again(path, "free_thresh: 0.196", f"free_thresh: {remedy}")
+    assert (np.sum(np.array(rows) == -1), notes) == (2, ())
 
 
 @pytest.mark.parametrize(("yaw", "said"), [("1.5708", "turned by 90°"), ("-0.5", "turned by -28.65°"), ("0.0", None)])
