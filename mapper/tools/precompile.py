@@ -1,7 +1,8 @@
 """``python -m mapper.tools.precompile``: compile every kernel, so that the first visitor does not wait for it.
 
 With ``--lab``, compile only those needed by a new simulated world. With ``--background``, compile all at the lowest
-priority until standard input ends, unless that was done before or another process is doing it.
+priority until standard input ends, unless that was done before or another process is doing it. With ``--part NAME``,
+compile one of :data:`PARTS`: without options this is done for all parts, one process per core.
 
 numba caches compiled code (in NUMBA_CACHE_DIR, or next to the sources), so an image or a machine that ran this once
 starts at full speed. It exits with 1 and names the kernel if one was missed.
@@ -15,9 +16,11 @@ import itertools
 import os
 import pkgutil
 import re
+import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
@@ -28,6 +31,7 @@ from numpy.typing import NDArray
 
 import mapper
 from mapper.core.kernels.decimals import write_thousandths
+from mapper.core.parallel import cores
 from mapper.costmap import DecayConfig, InflationConfig, Observation, ObstacleConfig, VoxelConfig
 from mapper.costmap.build import DEFAULT, build_costmap
 from mapper.costmap.inflation import inflate, squared_distances
@@ -123,7 +127,17 @@ def _draw(grid: OccupancyGrid) -> None:
 
 
 def precompile() -> None:
-    """Use each part of the mapper once, like the service: drive, record, map with every kernel, draw."""
+    """Use each part of the mapper once, like the service."""
+    log = _map()
+    _match(log)
+    _close_a_loop(log)
+    _map_in_3d()
+    _fuse_surfaces()
+    _assess_terrain()
+
+
+def _map() -> ScanLog:
+    """Drive and record, map with every kernel, localize, plan, and draw; return the recorded log."""
     world = WORLDS["room"]
     simulation = Simulation(world)
     recording = Recording(simulation.sensor)
@@ -153,17 +167,13 @@ def precompile() -> None:
     _draw(grid)
     compare(grid, grid)
     map_metrics(grid)
-    _match(replay.log)
-    _close_a_loop(replay.log)
-    _map_in_3d()
-    _fuse_surfaces()
-    _assess_terrain()
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     integrate_scan(grid.emptied(), replay.log.scan(0), pose, config)
     write_thousandths(replay.log.ranges[0], 0.0, 1.0, np.empty(1 << 14, dtype=np.uint8))
     for traversal in BY_NAME["traversal"].choices:
         integrate_scan(grid.emptied(), replay.log.scan(0), pose, replace(config, traversal=traversal), _NoEvidence())
+    return replay.log
 
 
 def _localize(log: ScanLog, grid: OccupancyGrid) -> None:
@@ -275,6 +285,34 @@ def _assess_terrain() -> None:
     assess(Patches.of(points, 4.0).parents())
 
 
+def _match_without_driving() -> None:
+    """Match and close a loop on a log that is made without a kernel."""
+    poses = np.column_stack([0.1 * np.arange(3.0), np.zeros((3, 2))])
+    ranges = np.tile(2.0 + 0.01 * np.arange(360.0), (3, 1)).astype(np.float32)
+    stamps = 100_000_000 * np.arange(3, dtype=np.int64)
+    log = ScanLog(ranges, -np.pi, np.pi / 180.0, 0.1, 10.0, stamps, {"": Trajectory(poses)})
+    _match(log)
+    _close_a_loop(log)
+
+
+def _map_surfaces() -> None:
+    """Map in 3D, fuse surfaces, and assess terrain."""
+    _map_in_3d()
+    _fuse_surfaces()
+    _assess_terrain()
+
+
+#: Parts of :func:`precompile` that use different kernels but for a few.
+PARTS = {"map": _map, "match": _match_without_driving, "surfaces": _map_surfaces}
+
+
+def _compile_parts() -> None:
+    """Compile the parts in as many processes as there are cores. The cause of a failure shows in :func:`precompile`."""
+    with ThreadPoolExecutor(cores()) as pool:
+        for name in PARTS:
+            pool.submit(subprocess.run, [sys.executable, "-m", "mapper.tools.precompile", "--part", name], check=False)
+
+
 def kernels() -> dict[str, bool]:
     """Return every jitted function of the packages ``mapper.*.kernels`` by its full name, and whether it is compiled.
 
@@ -336,11 +374,16 @@ def main() -> int:
         precompile_lab()
         print(f"the lab's kernels ready in {time.perf_counter() - began:.1f} s")
         return 0
+    if sys.argv[1:2] == ["--part"]:
+        PARTS[sys.argv[2]]()
+        return 0
     mark = _mark()
     if sys.argv[1:] == ["--background"]:
         if not _background_turn(mark):
             return 0
         precompile_lab()
+    elif not mark.exists() and cores() > 1:
+        _compile_parts()
     precompile()
     done = kernels()
     cold = [name for name, compiled in done.items() if not compiled]

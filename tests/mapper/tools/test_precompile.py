@@ -28,6 +28,7 @@ def test_every_kernel_is_ready_where_all_are_kept_from_a_run_before():
 
 def test_a_kernel_that_it_leaves_out_is_named(monkeypatch, capsys):
     monkeypatch.setattr(precompile, "precompile", lambda: None)
+    monkeypatch.setattr(precompile, "_compile_parts", lambda: None)
     monkeypatch.setattr(
         precompile, "kernels", lambda: {"mapper.grid.kernels.a.used": True, "mapper.grid.kernels.a.forgotten": False}
     )
