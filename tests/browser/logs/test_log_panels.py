@@ -117,7 +117,7 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     expect(trajectories).to_contain_text("better was added.")
     trajectories.get_by_label("Compared with it").select_option("better")
     trajectories.get_by_text("Not aligned").click()
-    absolute = trajectories.get_by_role("row").filter(has_text="Absolute, m").get_by_role("cell")
+    absolute = trajectories.get_by_role("row").filter(has_text="Absolute (m)").get_by_role("cell")
     expect(absolute.last).to_have_text("0.200")
     expect(page.locator(".error-legend")).to_contain_text("0.20 m")
 
