@@ -217,4 +217,5 @@ def test_in_a_log_the_explanation_replaces_the_open_group(viewer: Page) -> None:
     assert picture.bounding_box() == before
     group.get_by_role("button", name="Close").click()
     expect(viewer.get_by_role("tabpanel", name="Download")).to_be_visible()
-    assert viewer.locator(".downloads a").count() == 7
+    assert viewer.locator(".downloads a").count() == 6
+    expect(viewer.get_by_role("button", name="Report as PDF")).to_be_visible()
