@@ -21,7 +21,7 @@ from mapper.simulation import explorer as exploring
 from mapper.simulation import faults as faulty
 from mapper.simulation import lidar, live_map, recording, simulation
 from mapper.simulation.kernels import driving
-from server.sessions import SessionRegistry, computation, host, messages
+from server.sessions import SessionRegistry, computation, host, model
 from server.settings import Settings
 from server.sources.simulation_kind import simulation_plan
 from server.stream.grid_layer import GridLayer
@@ -50,7 +50,7 @@ def _counted(spans: Spans) -> None:
     spans.count("integrate", live_map, "integrate_scan")
     spans.count("quantise", GridLayer, "update")
     spans.count("messages", computation, "frame_message")
-    spans.count("messages", messages, "scan_of")
+    spans.count("messages", model, "scan_of")
     spans.count("JSON", Hub, "publish")
     spans.count("JSON", Hub, "frame_text")
     spans.count("tiles", Client, "take")
