@@ -131,9 +131,7 @@ def precompile() -> None:
     log = _map()
     _match(log)
     _close_a_loop(log)
-    _map_in_3d()
-    _fuse_surfaces()
-    _assess_terrain()
+    _map_surfaces()
 
 
 def _map() -> ScanLog:

@@ -1,6 +1,6 @@
 import type { Signal } from "@preact/signals";
 import { isBoolean, kept } from "../ui/browser/kept";
-import { timeText } from "../ui/timeText";
+import { timeText } from "../ui/text/timeText";
 import type { Store } from "./store";
 
 /** Whether times are shown in UTC, if the log's clock provides it, instead of relative to the log's first scan. */

@@ -5,7 +5,7 @@ import { Button } from "../../ui/Button";
 import { bound } from "../../ui/bound";
 import { shownDecimals, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { Variables } from "../../ui/Variables";
+import { Variables } from "../../ui/text/Variables";
 import { GuessColumns, type GuessQuestion, useClassGuess } from "./classGuess";
 import { Plot } from "./Plot";
 import { useSeen } from "./useSteps";

@@ -4,7 +4,7 @@ import { type BeamMixture, beamParts, normalPeak } from "../../grid/rangeModels"
 import { linePath, toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { keyed, written } from "../../ui/numbers";
-import { Variables } from "../../ui/Variables";
+import { Variables } from "../../ui/text/Variables";
 import { Plot } from "../common/Plot";
 import { ValueHandle } from "../common/ValueHandle";
 import { RANGE_MAX, type Share, withShare } from "./sensor";

@@ -5,7 +5,7 @@ import { Button } from "../../ui/Button";
 import { bound } from "../../ui/bound";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { Variables } from "../../ui/Variables";
+import { Variables } from "../../ui/text/Variables";
 import { Plot } from "../common/Plot";
 import { ValueHandle } from "../common/ValueHandle";
 import { ForwardChart } from "./ForwardChart";

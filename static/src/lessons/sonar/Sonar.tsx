@@ -7,7 +7,7 @@ import { bound } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { Variables } from "../../ui/Variables";
+import { Variables } from "../../ui/text/Variables";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";

@@ -17,7 +17,7 @@ import { reducedMotion } from "../../ui/browser/media";
 import { isDark } from "../../ui/browser/theme";
 import { useSize } from "../../ui/browser/useSize";
 import { signed, written } from "../../ui/numbers";
-import { Variables } from "../../ui/Variables";
+import { Variables } from "../../ui/text/Variables";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import type { StageTransform } from "../common/Stage";

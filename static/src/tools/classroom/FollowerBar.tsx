@@ -4,7 +4,7 @@ import { type Classroom, questionInHeading, questionOnPage } from "../../store/c
 import { Button } from "../../ui/Button";
 import { toastFailure } from "../../ui/browser/attempts";
 import { isTouched } from "../../ui/browser/media";
-import { Variables } from "../../ui/Variables";
+import { Variables } from "../../ui/text/Variables";
 import { ask } from "../../wire/ask";
 import type { ClassAxis } from "../../wire/protocol";
 import { answerHint } from "./answerHint";

@@ -13,7 +13,7 @@ import { selected } from "../../ui/bound";
 import { toastFailure } from "../../ui/browser/attempts";
 import { Choice } from "../../ui/Choice";
 import { toast } from "../../ui/Toast";
-import { Variables } from "../../ui/Variables";
+import { Variables } from "../../ui/text/Variables";
 import { ask } from "../../wire/ask";
 import type { ClassPuzzle, ClassQuestion, ClassSolver } from "../../wire/protocol";
 import { OutdatedPage, useRefused } from "./bars";

@@ -5,7 +5,7 @@ import { ClassButton } from "../../../tools/classroom/ClassHost";
 import { letterOf } from "../../../tools/classroom/histogram";
 import { Button } from "../../../ui/Button";
 import { toast } from "../../../ui/Toast";
-import { Variables } from "../../../ui/Variables";
+import { Variables } from "../../../ui/text/Variables";
 import { act, canAct } from "./acts";
 import { DeckEditor } from "./deck/DeckEditor";
 import { titleOf } from "./deck/deck";

@@ -4,7 +4,7 @@ import { answerHint } from "../../../tools/classroom/answerHint";
 import { barsOf, letterOf } from "../../../tools/classroom/histogram";
 import { Button } from "../../../ui/Button";
 import { Icon } from "../../../ui/Icon";
-import { Variables } from "../../../ui/Variables";
+import { Variables } from "../../../ui/text/Variables";
 import type { LessonId } from "../lessons";
 import { askSlide } from "./poll";
 import { QUESTIONS } from "./questions";

@@ -1,4 +1,4 @@
-import { Variables } from "../../../ui/Variables";
+import { Variables } from "../../../ui/text/Variables";
 import "./speaker.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";

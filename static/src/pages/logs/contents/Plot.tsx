@@ -8,7 +8,7 @@ import type { Store } from "../../../store/store";
 import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useSize";
 import { written } from "../../../ui/numbers";
-import { timeText } from "../../../ui/timeText";
+import { timeText } from "../../../ui/text/timeText";
 import type { Plotted, PlottedColumn } from "../fields/fields";
 import { nearest } from "../plots/strips";
 import { scansAt, selectedMoments } from "../time/scanTimes";

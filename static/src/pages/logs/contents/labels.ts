@@ -1,6 +1,6 @@
 /** Rates and ages of the contents of a recording as text. */
 
-import { timeText } from "../../../ui/timeText";
+import { timeText } from "../../../ui/text/timeText";
 
 /** A rate as text: 10.0 Hz; for slow topics the interval of messages. */
 export function rateLabel(rate: number | null): string {

@@ -4,7 +4,7 @@ import type { Signal } from "@preact/signals";
 import type UPlot from "uplot";
 import { labelFont } from "../../../style/colour";
 import { clock } from "../../../ui/numbers";
-import { timeText } from "../../../ui/timeText";
+import { timeText } from "../../../ui/text/timeText";
 import type { Span } from "./series";
 
 /** Horizontal distance from which a press is a drag, px. */

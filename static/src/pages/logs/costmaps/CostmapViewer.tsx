@@ -11,7 +11,7 @@ import { LiveRegion } from "../../../ui/LiveRegion";
 import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import { Select } from "../../../ui/Select";
-import { timeText } from "../../../ui/timeText";
+import { timeText } from "../../../ui/text/timeText";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { Head } from "../Head";

@@ -2,7 +2,7 @@
 
 import { inUtc } from "../../../store/shownTime";
 import { bytes, clock, written } from "../../../ui/numbers";
-import { timeText } from "../../../ui/timeText";
+import { timeText } from "../../../ui/text/timeText";
 import { progressText } from "../../../ui/Working";
 import type { LogRecord, Topic } from "./library";
 

@@ -4,7 +4,7 @@ import { useContext, useMemo } from "preact/hooks";
 import { shownStart } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { written } from "../../../ui/numbers";
-import { timeText } from "../../../ui/timeText";
+import { timeText } from "../../../ui/text/timeText";
 import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import type { LogInfo, Trajectory } from "../../../wire/protocol";
 import { isInGap } from "../contents/gaps";

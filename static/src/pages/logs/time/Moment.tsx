@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { inUtc, shownStart } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
-import { readTime, timeText } from "../../../ui/timeText";
+import { readTime, timeText } from "../../../ui/text/timeText";
 import { scansAt } from "./scanTimes";
 import "./moment.css";
 
